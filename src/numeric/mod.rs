@@ -1,0 +1,12 @@
+//! One-variable mathematics without data: sums, quadrature, minima, roots, special functions.
+
+mod minimise;
+mod quadrature;
+mod root;
+pub mod special;
+mod summation;
+
+pub use minimise::{Minimum, local_minima, minimise};
+pub use quadrature::{GaussLegendre, panels};
+pub use root::root;
+pub use summation::Sum;

@@ -1,0 +1,20 @@
+//! Where functions live: points, domains, grids and the functions on them.
+//!
+//! Everything that has a value at each point is a [`Field`]: a true density, a fitted estimate, irradiance on a wall. So an
+//! error is a distance between two fields and one drawing routine draws them all. Dimension is a type parameter; the
+//! same code serves the line and the plane, and what exists only on a line implements its trait for `1` only.
+//!
+//! There is one grid convention, cell centres, for histograms, binning, transforms, quadrature and pixels.
+
+mod domain;
+mod field;
+mod grid;
+mod raster;
+
+pub use domain::{Domain, DomainError, Side};
+pub use field::Field;
+pub use grid::{Grid, GridError};
+pub use raster::Raster;
+
+/// A place in `D` dimensions.
+pub type Point<const D: usize> = [f64; D];
