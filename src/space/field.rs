@@ -2,10 +2,67 @@
 
 use super::{Domain, Grid, Point, Raster};
 
+/// Where values are wanted.
+#[derive(Clone, Copy, Debug)]
+pub enum Targets<'a, const D: usize> {
+    /// At the centres of the cells of a grid, in the order of the cells.
+    Grid(&'a Grid<D>),
+    /// At scattered places, in their order.
+    Points(&'a [Point<D>]),
+}
+
+impl<const D: usize> Targets<'_, D> {
+    /// How many values are wanted.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Grid(grid) => grid.len(),
+            Self::Points(points) => points.len(),
+        }
+    }
+
+    /// Whether none is wanted.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The places themselves.
+    pub fn places(&self) -> Box<dyn Iterator<Item = Point<D>> + '_> {
+        match self {
+            Self::Grid(grid) => Box::new(grid.centres()),
+            Self::Points(points) => Box::new(points.iter().copied()),
+        }
+    }
+}
+
+/// Something that the reader of a result should know, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Warning {
+    /// What is the matter, in one sentence.
+    pub what: String,
+    /// What to do, in one sentence.
+    pub hint: String,
+}
+
+/// Values at targets, with what is known about them.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// One value per target, in order.
+    pub values: Vec<f64>,
+    /// A bound on the error of computation (not of estimation) of each value, relative to the largest possible value
+    /// of the field (for a kernel sum: mass × K(0) / h of a single place, or less where the engine states so). Zero for closed forms.
+    pub error: f64,
+    /// The engine that computed the values, where there was a choice.
+    pub engine: Option<&'static str>,
+    /// Why that engine, line by line.
+    pub explanation: Vec<String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
 /// A function on a domain: true density, estimate, raster, irradiance.
 ///
-/// `on` and `at_points` exist because many fields are far cheaper for many targets at once than one by one; they mean
-/// the same as `at` in a loop, up to the tolerance that the implementation states.
+/// `evaluate` exists because many fields are far cheaper for many targets at once than one by one; it means the same as `at` in
+/// a loop, up to the error that its answer states.
 pub trait Field<const D: usize>: Send + Sync {
     /// Where the field lives.
     fn domain(&self) -> &Domain<D>;
@@ -13,13 +70,16 @@ pub trait Field<const D: usize>: Send + Sync {
     /// The value at `x`.
     fn at(&self, x: Point<D>) -> f64;
 
-    /// The values at the centres of the cells of `grid`.
-    fn on(&self, grid: &Grid<D>) -> Raster<D> {
-        Raster::new(*grid, grid.centres().map(|x| self.at(x)).collect())
+    /// The values at many targets.
+    fn evaluate(&self, targets: Targets<'_, D>) -> Evaluation {
+        Evaluation {
+            values: targets.places().map(|x| self.at(x)).collect(),
+            ..Evaluation::default()
+        }
     }
 
-    /// The values at scattered `targets`, in their order.
-    fn at_points(&self, targets: &[Point<D>]) -> Vec<f64> {
-        targets.iter().map(|&x| self.at(x)).collect()
+    /// The values at the centres of the cells of `grid`.
+    fn on(&self, grid: &Grid<D>) -> Raster<D> {
+        Raster::new(*grid, self.evaluate(Targets::Grid(grid)).values)
     }
 }

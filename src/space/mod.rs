@@ -12,7 +12,7 @@ mod grid;
 mod raster;
 
 pub use domain::{Domain, DomainError, Side};
-pub use field::Field;
+pub use field::{Evaluation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
 pub use raster::Raster;
 

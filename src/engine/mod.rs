@@ -1,0 +1,58 @@
+//! Computing a kernel sum. An engine changes what a result costs, never what it means.
+//!
+//! The [`KernelSum`] itself is the definition; [`Direct`] evaluates it as written and judges the others, each of which states its error
+//! bound before it starts. `plan` asks all for a quote and takes the cheapest within the tolerance.
+//!
+//! | engine | sums | targets | error (relative to the ceiling) | cost | file |
+//! |---|---|---|---|---|---|
+//! | direct | any | any | rounding | n·m | `direct.rs` |
+
+mod direct;
+
+pub use direct::Direct;
+
+use crate::kernel::KernelSum;
+use crate::space::{Field, Targets};
+
+/// "Exact": as far as an engine may be from the definition and still count as computing the same number, relative to the ceiling of
+/// the sum, mass × K(0) / h.
+pub const EXACT: f64 = 1e-12;
+
+/// What an engine promises for a sum on given targets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quote {
+    /// Bound on the error of each value, relative to the ceiling mass × K(0) / h.
+    pub error: f64,
+    /// Expected time in nanoseconds on one thread, from per-item constants measured once; only good for choosing.
+    pub nanoseconds: f64,
+}
+
+/// An engine's "not I", with the reason.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unsupported(pub String);
+
+/// One way to compute a kernel sum.
+pub trait Engine<const D: usize>: Send + Sync {
+    /// The name in files and tables.
+    fn name(&self) -> &'static str;
+
+    /// What it would cost and how exact it would be, without doing any work on the data beyond what the sample knows already.
+    /// `tolerance` is the error that the caller allows; an engine with a choice takes the cheapest setting within it, or its best.
+    ///
+    /// # Errors
+    /// If it cannot compute this sum on these targets at all.
+    fn quote(
+        &self,
+        sum: &KernelSum<D>,
+        targets: Targets<'_, D>,
+        tolerance: f64,
+    ) -> Result<Quote, Unsupported>;
+
+    /// Does the work that is shared by all targets (sorting, binning) and gives the field that serves them, whose answers carry
+    /// the error bound and warnings.
+    ///
+    /// # Errors
+    /// If it cannot compute this sum.
+    fn prepare(&self, sum: KernelSum<D>, tolerance: f64) -> Result<Box<dyn Field<D>>, Unsupported>;
+}

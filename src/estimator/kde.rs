@@ -1,0 +1,111 @@
+//! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
+
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use crate::boundary::{Boundary, Ignore};
+use crate::engine::{Direct, Engine};
+use crate::kernel::{Bandwidth, KernelSum, Shape};
+use crate::parameter::{Absent, Kind, Parameter, Values};
+use crate::sample::Sample;
+use crate::selector::{NormalReference, Scott, Selector, Silverman};
+use crate::space::Field;
+use std::sync::Arc;
+
+/// Where the bandwidth comes from.
+enum Width {
+    Number(f64),
+    Selected(Box<dyn Selector<1>>),
+}
+
+/// f̂(x) = Σ wᵢ K((x - Xᵢ)/h) / h. [Rosenblatt 1956; Parzen 1962; Silverman 1986, eq. 2.2a]
+pub struct Kde {
+    shape: Shape,
+    width: Width,
+    boundary: Box<dyn Boundary<1>>,
+}
+
+impl Estimator<1> for Kde {
+    fn laws(&self) -> Laws {
+        Laws {
+            mass_conserving: true,
+            non_negative: true,
+            linear: matches!(self.width, Width::Number(_)),
+            continuous: self.shape != Shape::Uniform,
+            deterministic: true,
+            scale_equivariant: true,
+            translation_equivariant: true,
+        }
+    }
+
+    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+        let (bandwidth, warnings) = match &self.width {
+            Width::Number(h) => (Bandwidth::Fixed([*h]), Vec::new()),
+            Width::Selected(selector) => {
+                let selection = selector.select(sample, self.shape)?;
+                (selection.bandwidth, selection.warnings)
+            }
+        };
+        let field = |sample: Sample<1>| -> Result<Arc<dyn Field<1>>, FitError> {
+            let sum = KernelSum::new(sample, self.shape, bandwidth.clone())?;
+            let compute = |sum| {
+                Direct
+                    .prepare(sum, 0.0)
+                    .expect("the definition computes every sum")
+            };
+            Ok(self.boundary.correct(sum, &compute).into())
+        };
+        let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
+            (0..sample.channels())
+                .map(|c| field(sample.channel(c)))
+                .collect::<Result<_, _>>()?,
+        );
+        if let Bandwidth::Fixed([h]) = bandwidth {
+            estimate.smoothing = Some(h);
+        }
+        estimate.bandwidth = Some(bandwidth);
+        estimate.warnings = warnings;
+        Ok(estimate)
+    }
+}
+
+impl Described for Kde {
+    const NAME: &'static str = "kernel";
+    const SUMMARY: &'static str = "a bump of one shape and width on each point";
+    const COST: &'static str =
+        "O(n + m) on a grid, O((n + m) log n) at points; O(n m) by definition";
+    const REFERENCE: &'static str = "Rosenblatt 1956; Parzen 1962; Silverman 1986, eq. 2.2a";
+    const SMOOTHING: Option<&'static str> = Some("bandwidth");
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::optional("shape", Kind::Choice(&Shape::NAMES), Absent::Word("gaussian"), "the kernel"),
+        Parameter::required(
+            "bandwidth",
+            Kind::PositiveOr(&["silverman", "normal-reference", "scott", "oracle", "amise"]),
+            "h, in the unit of the data: half the support of a compact kernel, the deviation of the Gaussian",
+        )
+        .swept(),
+        Parameter::optional("boundary", Kind::Choice(&["ignore"]), Absent::Word("ignore"), "what to do at walls"),
+    ];
+
+    fn build(values: &Values, _context: &Context) -> Result<Self, BuildError> {
+        let width = match (values.number("bandwidth"), values.word("bandwidth")) {
+            (Some(h), _) => Width::Number(h),
+            (None, Some("silverman")) => Width::Selected(Box::new(Silverman)),
+            (None, Some("normal-reference")) => Width::Selected(Box::new(NormalReference)),
+            (None, Some("scott")) => Width::Selected(Box::new(Scott)),
+            _ => {
+                return Err(BuildError {
+                    parameter: "bandwidth",
+                    what: "not yet".to_owned(),
+                });
+            }
+        };
+        let shape = values
+            .word("shape")
+            .and_then(Shape::named)
+            .unwrap_or(Shape::Gaussian);
+        Ok(Self {
+            shape,
+            width,
+            boundary: Box::new(Ignore),
+        })
+    }
+}

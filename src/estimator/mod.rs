@@ -1,0 +1,188 @@
+//! Sample → estimate: the methods whose trustworthiness is the question.
+//!
+//! Fitting gives a new value and nothing is half-ready: what can be done once (choosing a width, sorting, binning) is done in [`Estimator::fit`].
+//! To add an estimator: one file here with its [`Described`] constants, one line in `experiment/catalogue.rs`, one experiment that asks why
+//! it should exist.
+
+mod kde;
+
+pub use kde::Kde;
+
+use crate::density::{Density, Univariate};
+use crate::kernel::{Bandwidth, WidthError};
+use crate::parameter::{Parameter, Values};
+use crate::sample::Sample;
+use crate::selector::SelectError;
+use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
+use std::sync::Arc;
+
+/// What an estimator promises of every estimate it makes. The law suite tests each promise, and fails what is kept but
+/// not promised just as what is promised but not kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "a list of independent promises"
+)]
+pub struct Laws {
+    /// Integrates to the mass of the sample (over the whole line, not only the domain).
+    pub mass_conserving: bool,
+    /// Never below zero.
+    pub non_negative: bool,
+    /// The estimate of a union is the weighted mean of the estimates, settings held fixed.
+    pub linear: bool,
+    /// Continuous in the target.
+    pub continuous: bool,
+    /// The same sample gives the same estimate, bit for bit.
+    pub deterministic: bool,
+    /// Multiplying all data by a and the targets likewise divides the estimate by a^D, if widths are chosen from the data or scaled along.
+    pub scale_equivariant: bool,
+    /// Moving data and targets alike changes nothing, if origins move along.
+    pub translation_equivariant: bool,
+}
+
+/// Why a sample could not be fitted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// The bandwidth rule failed.
+    #[error(transparent)]
+    Select(#[from] SelectError),
+    /// The bandwidth is not legal.
+    #[error(transparent)]
+    Width(#[from] WidthError),
+    /// The engine that was asked for cannot do it.
+    #[error("{0}")]
+    Engine(String),
+    /// Too large to be computed.
+    #[error("{0}")]
+    TooLarge(String),
+    /// The sample does not determine the estimate.
+    #[error("{0}")]
+    Degenerate(String),
+}
+
+/// What was computed and what was chosen on the way.
+pub struct Estimate<const D: usize> {
+    field: Arc<dyn Field<D>>,
+    channels: Vec<Arc<dyn Field<D>>>,
+    /// The smoothing parameter used (bandwidth, bin width), where there is one number for it.
+    pub smoothing: Option<f64>,
+    /// The bandwidth used, for kernel estimates.
+    pub bandwidth: Option<Bandwidth<D>>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl<const D: usize> Estimate<D> {
+    /// An estimate that is `field`.
+    pub fn new(field: Arc<dyn Field<D>>) -> Self {
+        Self {
+            field,
+            channels: Vec::new(),
+            smoothing: None,
+            bandwidth: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The same with a field for each channel of the sample, made with the geometry of the total.
+    #[must_use]
+    pub fn with_channels(mut self, channels: Vec<Arc<dyn Field<D>>>) -> Self {
+        self.channels = channels;
+        self
+    }
+
+    /// The estimate in one channel.
+    pub fn channel(&self, channel: usize) -> Option<&dyn Field<D>> {
+        self.channels.get(channel).map(|field| &**field)
+    }
+}
+
+impl<const D: usize> Field<D> for Estimate<D> {
+    fn domain(&self) -> &Domain<D> {
+        self.field.domain()
+    }
+
+    fn at(&self, x: Point<D>) -> f64 {
+        self.field.at(x)
+    }
+
+    fn evaluate(&self, targets: Targets<'_, D>) -> Evaluation {
+        let mut evaluation = self.field.evaluate(targets);
+        evaluation.warnings.extend(self.warnings.iter().cloned());
+        evaluation
+    }
+}
+
+/// Mean and variance of an estimate at one place, over samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// E f̂(x).
+    pub mean: f64,
+    /// var f̂(x).
+    pub variance: f64,
+}
+
+/// A density estimator with all its settings.
+pub trait Estimator<const D: usize>: Send + Sync {
+    /// What holds of every estimate it makes.
+    fn laws(&self) -> Laws;
+
+    /// The estimate from `sample`.
+    ///
+    /// # Errors
+    /// If the sample does not determine the estimate, or it cannot be computed.
+    fn fit(&self, sample: &Sample<D>) -> Result<Estimate<D>, FitError>;
+
+    /// The exact mean and variance of the estimate at each of `places` over samples of `draws` points from `truth`, by quadrature
+    /// instead of simulation; `None` where no such theory is known (data-driven widths). `truth` comes with its line-only side in one dimension.
+    fn expectation(
+        &self,
+        truth: &dyn Density<D>,
+        draws: usize,
+        places: &[Point<D>],
+    ) -> Option<Vec<Moments>> {
+        let _ = (truth, draws, places);
+        None
+    }
+}
+
+/// What is known when an estimator is built from its settings: needed by settings such as an oracle's bandwidth.
+#[derive(Clone)]
+pub struct Context {
+    /// The density that samples come from, where it is known.
+    pub truth: Option<Arc<dyn Univariate>>,
+    /// The size of the samples.
+    pub draws: usize,
+}
+
+/// Why an estimator could not be built from values that are each legal.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}")]
+pub struct BuildError {
+    /// The parameter at fault.
+    pub parameter: &'static str,
+    /// What is wrong and what would be right.
+    pub what: String,
+}
+
+/// What the catalogue says about an estimator, kept in the estimator's own file.
+pub trait Described: Estimator<1> + Sized + 'static {
+    /// Its name in files, tables and legends.
+    const NAME: &'static str;
+    /// One sentence.
+    const SUMMARY: &'static str;
+    /// Cost in n points and m targets.
+    const COST: &'static str;
+    /// Author, year, equation.
+    const REFERENCE: &'static str;
+    /// What it may be told.
+    const PARAMETERS: &'static [Parameter];
+    /// The parameter that decides how smooth the estimate is, where there is one.
+    const SMOOTHING: Option<&'static str>;
+
+    /// Builds it from checked values.
+    ///
+    /// # Errors
+    /// If the values do not go together, or need a truth that is not known.
+    fn build(values: &Values, context: &Context) -> Result<Self, BuildError>;
+}

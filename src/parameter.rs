@@ -1,0 +1,193 @@
+//! Named parameters: what a thing that can be chosen by name may be told, as data.
+//!
+//! An estimator, a density or a selector declares its parameters once, in its own file; reading a file, checking ranges, suggesting spellings,
+//! writing the schema and printing `lab list` all follow from the declaration.
+
+use std::collections::BTreeMap;
+
+/// What values a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A finite number.
+    Real,
+    /// A finite number above 0.
+    Positive,
+    /// A number from 0 to 1, both allowed.
+    Fraction,
+    /// A whole number in a range, both ends allowed.
+    Count {
+        /// The least.
+        least: u64,
+        /// The most.
+        most: u64,
+    },
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// `true` or `false`.
+    Flag,
+    /// A positive number or one of these words (a rule that chooses the number).
+    PositiveOr(&'static [&'static str]),
+    /// A list of tables, each with these parameters.
+    Rows(&'static [Parameter]),
+}
+
+/// What holds when a parameter is not given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {
+    /// It must be given.
+    Required,
+    /// This number.
+    Number(f64),
+    /// This word.
+    Word(&'static str),
+    /// This flag.
+    Flag(bool),
+    /// Nothing: the thing decides by itself, as its help says.
+    Unset,
+}
+
+/// One parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name, in kebab-case.
+    pub name: &'static str,
+    /// What values it takes.
+    pub kind: Kind,
+    /// What holds when it is not given.
+    pub absent: Absent,
+    /// Whether a list of values may be given instead of one, for a sweep.
+    pub sweeps: bool,
+    /// What it means, its unit included.
+    pub help: &'static str,
+}
+
+impl Parameter {
+    /// A parameter that must be given.
+    pub const fn required(name: &'static str, kind: Kind, help: &'static str) -> Self {
+        Self {
+            name,
+            kind,
+            absent: Absent::Required,
+            sweeps: false,
+            help,
+        }
+    }
+
+    /// A parameter with a default.
+    pub const fn optional(
+        name: &'static str,
+        kind: Kind,
+        absent: Absent,
+        help: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            kind,
+            absent,
+            sweeps: false,
+            help,
+        }
+    }
+
+    /// The same, allowing a list for a sweep.
+    pub const fn swept(self) -> Self {
+        Self {
+            sweeps: true,
+            ..self
+        }
+    }
+}
+
+/// A checked value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number of any numeric kind.
+    Number(f64),
+    /// A whole number.
+    Count(u64),
+    /// A word.
+    Word(String),
+    /// A flag.
+    Flag(bool),
+    /// Rows of further values.
+    Rows(Vec<Values>),
+}
+
+/// Checked values by name: every required parameter is there, every value is of its kind, defaults are filled in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values(BTreeMap<&'static str, Value>);
+
+impl Values {
+    /// Sets a value; for whoever reads and checks.
+    pub fn set(&mut self, name: &'static str, value: Value) {
+        self.0.insert(name, value);
+    }
+
+    /// All defaults of `parameters` that are values.
+    pub fn defaults(parameters: &[Parameter]) -> Self {
+        let mut values = Self::default();
+        for parameter in parameters {
+            match parameter.absent {
+                Absent::Number(x) if matches!(parameter.kind, Kind::Count { .. }) => {
+                    values.set(parameter.name, Value::Count(x as u64));
+                }
+                Absent::Number(x) => values.set(parameter.name, Value::Number(x)),
+                Absent::Word(word) => values.set(parameter.name, Value::Word(word.to_owned())),
+                Absent::Flag(flag) => values.set(parameter.name, Value::Flag(flag)),
+                Absent::Required | Absent::Unset => {}
+            }
+        }
+        values
+    }
+
+    /// The value of that name, if set.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.0.get(name)
+    }
+
+    /// All values in the order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        self.0.iter().map(|(name, value)| (*name, value))
+    }
+
+    /// A number, if set as one.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.get(name) {
+            Some(Value::Number(x)) => Some(*x),
+            Some(Value::Count(x)) => Some(*x as f64),
+            _ => None,
+        }
+    }
+
+    /// A whole number, if set as one.
+    pub fn count(&self, name: &str) -> Option<u64> {
+        match self.get(name) {
+            Some(Value::Count(x)) => Some(*x),
+            _ => None,
+        }
+    }
+
+    /// A word, if set as one.
+    pub fn word(&self, name: &str) -> Option<&str> {
+        match self.get(name) {
+            Some(Value::Word(word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// A flag, if set as one.
+    pub fn flag(&self, name: &str) -> Option<bool> {
+        match self.get(name) {
+            Some(Value::Flag(flag)) => Some(*flag),
+            _ => None,
+        }
+    }
+
+    /// Rows, if set.
+    pub fn rows(&self, name: &str) -> &[Values] {
+        match self.get(name) {
+            Some(Value::Rows(rows)) => rows,
+            _ => &[],
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Weighted points on a domain: the measure Σ wᵢ δ(xᵢ) that every estimator starts from.
+//!
+//! For statistics wᵢ = 1/n and the mass is 1; for light wᵢ is flux per *emitted* path and the mass is watts. Estimators do not know the
+//! difference. Several channels (colours) share points; the smoothing geometry is always chosen from the total.
+
+mod drawn;
+mod source;
+mod summary;
+mod weighted;
+
+pub use drawn::Drawn;
+pub use source::Source;
+pub use summary::Summary;
+pub use weighted::{Sample, SampleError, Weights};
