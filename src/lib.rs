@@ -27,13 +27,14 @@
 //! | [`boundary`] | walls |
 //! | [`estimator`] | sample → estimate |
 //! | `accuracy` | how wrong: distances between fields |
-//! | `experiment` | question → table |
+//! | [`experiment`] | question → table |
 //! | `report` | table → figures and page |
 //! | `cli` | one file per command |
 pub mod boundary;
 pub mod density;
 pub mod engine;
 pub mod estimator;
+pub mod experiment;
 pub mod kernel;
 pub mod numeric;
 pub mod parameter;

@@ -3,6 +3,7 @@
 //! An estimator, a density or a selector declares its parameters once, in its own file; reading a file, checking ranges, suggesting spellings,
 //! writing the schema and printing `lab list` all follow from the declaration.
 
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// What values a parameter takes.
@@ -23,6 +24,8 @@ pub enum Kind {
     },
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// Any text.
+    Text,
     /// `true` or `false`.
     Flag,
     /// A positive number or one of these words (a rule that chooses the number).
@@ -99,7 +102,8 @@ impl Parameter {
 }
 
 /// A checked value.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     /// A number of any numeric kind.
     Number(f64),
@@ -114,7 +118,7 @@ pub enum Value {
 }
 
 /// Checked values by name: every required parameter is there, every value is of its kind, defaults are filled in.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Values(BTreeMap<&'static str, Value>);
 
 impl Values {

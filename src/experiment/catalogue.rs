@@ -1,0 +1,43 @@
+//! The only place where a name in a file meets a type.
+
+use crate::estimator::{self, BuildError, Context, Described, Estimator};
+use crate::parameter::{Parameter, Values};
+
+/// An estimator as the catalogue knows it.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// Its name in files, tables and legends.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Cost in n points and m targets.
+    pub cost: &'static str,
+    /// Author, year, equation.
+    pub reference: &'static str,
+    /// What it may be told.
+    pub parameters: &'static [Parameter],
+    /// The parameter that decides how smooth the estimate is.
+    pub smoothing: Option<&'static str>,
+    /// Builds it from checked values.
+    pub build: fn(&Values, &Context) -> Result<Box<dyn Estimator<1>>, BuildError>,
+}
+
+const fn entry<E: Described>() -> Entry {
+    Entry {
+        name: E::NAME,
+        summary: E::SUMMARY,
+        cost: E::COST,
+        reference: E::REFERENCE,
+        parameters: E::PARAMETERS,
+        smoothing: E::SMOOTHING,
+        build: |values, context| Ok(Box::new(E::build(values, context)?)),
+    }
+}
+
+/// Every estimator; to add one, add a line.
+pub const ESTIMATORS: &[Entry] = &[entry::<estimator::Kde>()];
+
+/// The estimator of that name.
+pub fn estimator(name: &str) -> Option<&'static Entry> {
+    ESTIMATORS.iter().find(|entry| entry.name == name)
+}

@@ -1,0 +1,171 @@
+//! What a run must show.
+
+use serde::Serialize;
+
+/// A quantity that a claim is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Mean of ∫(f̂ - f)² over replicates.
+    Mise,
+    /// Mean of ∫|f̂ - f|.
+    Miae,
+    /// Mean of ∫((f̂ - f)/f)² where f is at least 1 % of its peak.
+    Mire,
+    /// ∫(E f̂ - f)², from replicates, corrected for the variance of the mean.
+    Bias2,
+    /// ∫ var f̂, from replicates.
+    Variance,
+    /// ∫f̂ / ∫f over the grid.
+    Energy,
+    /// The number of local maxima on the grid.
+    Modes,
+    /// The bandwidth or width used.
+    Smoothing,
+    /// The exact expectation of [`Measure::Mise`], by theory.
+    ExactMise,
+    /// The exact ∫ bias².
+    ExactBias2,
+    /// The exact ∫ variance.
+    ExactVariance,
+}
+
+impl Measure {
+    /// All measures.
+    pub const ALL: [Self; 11] = [
+        Self::Mise,
+        Self::Miae,
+        Self::Mire,
+        Self::Bias2,
+        Self::Variance,
+        Self::Energy,
+        Self::Modes,
+        Self::Smoothing,
+        Self::ExactMise,
+        Self::ExactBias2,
+        Self::ExactVariance,
+    ];
+
+    /// The name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mise => "mise",
+            Self::Miae => "miae",
+            Self::Mire => "mire",
+            Self::Bias2 => "bias2",
+            Self::Variance => "variance",
+            Self::Energy => "energy",
+            Self::Modes => "modes",
+            Self::Smoothing => "smoothing",
+            Self::ExactMise => "exact-mise",
+            Self::ExactBias2 => "exact-bias2",
+            Self::ExactVariance => "exact-variance",
+        }
+    }
+
+    /// Whether the measure needs a known truth.
+    pub fn needs_truth(self) -> bool {
+        !matches!(self, Self::Modes | Self::Smoothing | Self::Energy)
+    }
+}
+
+/// A statement that the run checks; a statement that is not shown makes the run fail.
+///
+/// In files: `[[claim]]` with an optional `says` and exactly one key that names the measure (or `oracle`), for instance
+/// `mise = { of = "h = 0.3", below = "h = 0.1", by = 2.0, confidence = 0.99 }`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Claim {
+    /// The claim in words, as the file says it, or made from the statement.
+    pub says: String,
+    /// Which sample size it is about; `None`: each of the experiment's sizes.
+    pub draws: Option<usize>,
+    /// Which source it is about; `None`: each of the experiment's sources.
+    pub source: Option<String>,
+    /// What must hold.
+    pub statement: Statement,
+    /// The line of the file, for messages.
+    pub line: usize,
+}
+
+/// What must hold.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Statement {
+    /// `MEASURE = { of = A, below = B, by = FACTOR, confidence = C }`: A's mean times the factor is below B's, one-sided and paired
+    /// over replicates, at the confidence. For exact measures a plain comparison.
+    Below {
+        /// What is compared.
+        measure: Measure,
+        /// The estimator that is better.
+        of: String,
+        /// The estimator that is worse.
+        below: String,
+        /// At least by this factor; 1 if not given.
+        by: f64,
+        /// Confidence of the paired one-sided interval; 0.99 if not given.
+        confidence: f64,
+    },
+    /// `MEASURE = { of = A, [over = B | "minimum"], equals = V, (within = REL | margin = ABS), [confidence = C] }`: an equivalence. For a simulated measure
+    /// the whole confidence interval must lie inside the margins; an exact one must itself. `over` divides by another estimator's value, or by the
+    /// least MISE that any bandwidth gives with the same kernel and truth (`minimum`, exact-mise only).
+    Equals {
+        /// What is compared.
+        measure: Measure,
+        /// The estimator.
+        of: String,
+        /// What to divide by.
+        over: Option<String>,
+        /// The expected value.
+        equals: f64,
+        /// The margin, absolute.
+        margin: f64,
+        /// Confidence of the interval; 0.99 if not given.
+        confidence: f64,
+    },
+    /// `MEASURE = { [of = [A, ..]], agrees-with = "exact", [confidence = C] }`: the exact value lies inside the simulated interval for all of them at once
+    /// (Šidák over the family). For mise, bias2 and variance.
+    AgreesWithExact {
+        /// What is compared.
+        measure: Measure,
+        /// The estimators; all if empty.
+        of: Vec<String>,
+        /// Simultaneous confidence; 0.99 if not given.
+        confidence: f64,
+    },
+    /// `modes = { of = A, median = M }`: the median number of modes over the replicates is M.
+    MedianModes {
+        /// The estimator.
+        of: String,
+        /// The expected median.
+        median: f64,
+    },
+    /// `modes = { of = A, count = K, share = P, margin = E }`: the share of replicates with K modes lies within E of P.
+    ShareOfModes {
+        /// The estimator.
+        of: String,
+        /// How many modes.
+        count: usize,
+        /// The expected share.
+        share: f64,
+        /// The margin, absolute.
+        margin: f64,
+    },
+    /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
+    BestIsNear {
+        /// The swept estimator.
+        of: String,
+        /// How near, relative.
+        within: f64,
+    },
+    /// `oracle = { quantity = "h_mise", kernel = "gaussian", equals = V, digits = 4 }`: theory alone.
+    Oracle {
+        /// `h_mise`, `mise`, `bias2`, `variance`, `h_amise` or `amise`.
+        quantity: String,
+        /// The kernel.
+        kernel: String,
+        /// The expected value.
+        equals: f64,
+        /// How many significant digits must agree.
+        digits: u32,
+    },
+}

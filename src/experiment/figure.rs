@@ -1,0 +1,50 @@
+//! What a run draws.
+
+use serde::Serialize;
+
+/// One figure of the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// Its title; made from the kind if the file gives none.
+    pub title: String,
+    /// What the reader should see in it.
+    pub caption: String,
+    /// The estimators shown; all if empty.
+    pub estimators: Vec<String>,
+    /// The sample size shown; the first if `None`.
+    pub draws: Option<usize>,
+    /// What it is.
+    pub kind: FigureKind,
+}
+
+/// The kinds of figure. In files: `[[figure]]` with exactly one of these keys, for instance `curves = { show = ["truth", "sample"] }`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FigureKind {
+    /// Estimates of the first sample over the truth.
+    Curves {
+        /// Any of `truth`, `sample` (the estimates of the first sample), `mean` and `band` (mean and ± one standard deviation over
+        /// replicates), `rug` (the data).
+        show: Vec<String>,
+        /// One small panel an estimator instead of all in one.
+        panels: bool,
+    },
+    /// A measure of each estimator with its interval, beside the exact value.
+    Errors {
+        /// `mise`, `miae` or `mire`.
+        measure: String,
+    },
+    /// How many modes the estimates have over the replicates.
+    Modes {},
+    /// MISE, bias² and variance against the swept parameter, simulated and exact.
+    Sweep {
+        /// The swept estimator.
+        of: String,
+        /// Vertical markers: any of `h_mise`, `h_amise`, `silverman`, `normal-reference`, `scott`.
+        mark: Vec<String>,
+    },
+    /// One small panel a source: truth and estimates of the first sample.
+    Densities {},
+    /// Measured and theoretical efficiency of each kernel.
+    Efficiency {},
+}
