@@ -3,6 +3,9 @@
 use crate::estimator::{self, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
 
+/// An estimator built from its settings, or what is wrong with them.
+pub type Built = Result<Box<dyn Estimator<1>>, BuildError>;
+
 /// An estimator as the catalogue knows it.
 #[derive(Clone, Copy)]
 pub struct Entry {
@@ -19,7 +22,7 @@ pub struct Entry {
     /// The parameter that decides how smooth the estimate is.
     pub smoothing: Option<&'static str>,
     /// Builds it from checked values.
-    pub build: fn(&Values, &Context) -> Result<Box<dyn Estimator<1>>, BuildError>,
+    pub build: fn(&Values, &Context) -> Built,
 }
 
 const fn entry<E: Described>() -> Entry {
