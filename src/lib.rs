@@ -15,6 +15,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`numeric`] | one-variable mathematics without data |
+//! | [`memory`] | how much of it there is |
 //! | [`random`] | named, splittable random streams |
 //! | [`parameter`] | what things chosen by name may be told |
 //! | [`space`] | points, domains, grids, fields |
@@ -36,6 +37,7 @@ pub mod engine;
 pub mod estimator;
 pub mod experiment;
 pub mod kernel;
+pub mod memory;
 pub mod numeric;
 pub mod parameter;
 pub mod random;

@@ -101,6 +101,35 @@ impl Parameter {
     }
 }
 
+/// The one of `allowed` that `word` was probably meant to be, for "did you mean".
+///
+/// Few edits (a swap of neighbours is one) compared with the length, whatever the case, or a beginning that fits one only; nothing rather than
+/// a wild guess.
+pub fn nearest<'a>(word: &str, allowed: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.trim().to_lowercase();
+    if word.is_empty() {
+        return None;
+    }
+    let mut best: Option<(usize, &str)> = None;
+    let mut beginning = Vec::new();
+    for candidate in allowed {
+        let lower = candidate.to_lowercase();
+        let edits = strsim::damerau_levenshtein(&word, &lower);
+        let longest = word.chars().count().max(lower.chars().count());
+        if 3 * edits <= longest.max(3) && best.is_none_or(|(least, _)| edits < least) {
+            best = Some((edits, candidate));
+        }
+        if word.chars().count() >= 3 && lower.starts_with(&word) {
+            beginning.push(candidate);
+        }
+    }
+    match (best, &beginning[..]) {
+        (Some((_, candidate)), _) => Some(candidate),
+        (None, [only]) => Some(only),
+        _ => None,
+    }
+}
+
 /// A checked value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -192,6 +221,27 @@ impl Values {
         match self.get(name) {
             Some(Value::Rows(rows)) => rows,
             _ => &[],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn slips_are_understood_and_wild_guesses_are_not_made() {
+        let allowed = ["gaussian", "epanechnikov", "uniform", "h", "width"];
+        for (word, meant) in [
+            ("gausian", Some("gaussian")),
+            ("Gaussian", Some("gaussian")),
+            ("epan", Some("epanechnikov")),
+            ("unifrom", Some("uniform")),
+            ("widht", Some("width")),
+            ("quartic", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(word, allowed), meant, "{word}");
         }
     }
 }
