@@ -17,6 +17,7 @@
 //! | [`numeric`] | one-variable mathematics without data |
 //! | [`memory`] | how much of it there is |
 //! | [`random`] | named, splittable random streams |
+//! | [`storage`] | files that appear whole or not at all |
 //! | [`parameter`] | what things chosen by name may be told |
 //! | [`space`] | points, domains, grids, fields |
 //! | [`density`] | known truths |
@@ -27,10 +28,11 @@
 //! | [`selector`] | sample → bandwidth |
 //! | [`boundary`] | walls |
 //! | [`estimator`] | sample → estimate |
-//! | `accuracy` | how wrong: distances between fields |
+//! | [`accuracy`] | how wrong: distances between fields |
 //! | [`experiment`] | question → table |
 //! | `report` | table → figures and page |
 //! | `cli` | one file per command |
+pub mod accuracy;
 pub mod boundary;
 pub mod density;
 pub mod engine;
@@ -44,3 +46,4 @@ pub mod random;
 pub mod sample;
 pub mod selector;
 pub mod space;
+pub mod storage;

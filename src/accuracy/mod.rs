@@ -1,0 +1,23 @@
+//! How wrong: distances between an estimate and the truth, over one sample and over many.
+//!
+//! | measure | definition | file |
+//! |---|---|---|
+//! | ISE | ∫(f̂ - f)² | `errors.rs` |
+//! | IAE | ∫\|f̂ - f\| | `errors.rs` |
+//! | IRE | ∫((f̂ - f)/f)² where f ≥ 1 % of its peak, over the length of that set | `errors.rs` |
+//! | energy | ∫f̂ / ∫f | `errors.rs` |
+//! | MISE, MIAE, MIRE | their means over samples, with standard errors | `interval.rs` |
+//! | ∫bias², ∫variance | from the pointwise moments of f̂ - f over samples | `tally.rs` |
+//!
+//! All integrals are midpoint sums over the cells of one grid, for simulated and exact values alike, so that the two are
+//! expectation and average of the same number.
+
+mod errors;
+mod interval;
+mod paired;
+mod tally;
+
+pub use errors::{Errors, RELATIVE_FLOOR};
+pub use interval::{Interval, mean_interval, sidak};
+pub use paired::{Paired, compare, lower_bound};
+pub use tally::{Decomposition, Tally};
