@@ -49,6 +49,17 @@ pub enum Absent {
     Unset,
 }
 
+/// What the numbers of a parameter measure: how they follow when the data are written in another unit or from another origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Neither: counts, shares, exponents.
+    Pure,
+    /// A length on the axis of the data: stretched with them.
+    Length,
+    /// A place on the axis of the data: stretched and moved with them.
+    Place,
+}
+
 /// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
@@ -60,6 +71,8 @@ pub struct Parameter {
     pub absent: Absent,
     /// Whether a list of values may be given instead of one, for a sweep.
     pub sweeps: bool,
+    /// What becomes of its numbers when the data are moved or stretched.
+    pub unit: Unit,
     /// What it means, its unit included.
     pub help: &'static str,
 }
@@ -72,6 +85,7 @@ impl Parameter {
             kind,
             absent: Absent::Required,
             sweeps: false,
+            unit: Unit::Pure,
             help,
         }
     }
@@ -88,7 +102,24 @@ impl Parameter {
             kind,
             absent,
             sweeps: false,
+            unit: Unit::Pure,
             help,
+        }
+    }
+
+    /// The same, its numbers being lengths on the axis of the data.
+    pub const fn length(self) -> Self {
+        Self {
+            unit: Unit::Length,
+            ..self
+        }
+    }
+
+    /// The same, its numbers being places on the axis of the data.
+    pub const fn place(self) -> Self {
+        Self {
+            unit: Unit::Place,
+            ..self
         }
     }
 

@@ -1,5 +1,6 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
+use super::width::best;
 use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
 use crate::boundary::{Boundary, Ignore};
 use crate::engine::{Direct, Engine};
@@ -33,6 +34,7 @@ impl Estimator<1> for Kde {
             deterministic: true,
             scale_equivariant: true,
             translation_equivariant: true,
+            repeatable: matches!(self.width, Width::Number(_)),
         }
     }
 
@@ -67,6 +69,15 @@ impl Estimator<1> for Kde {
     }
 }
 
+/// The bandwidth of the kernel estimator and its kin.
+pub(super) const BANDWIDTH: Parameter = Parameter::required(
+    "bandwidth",
+    Kind::PositiveOr(&["silverman", "normal-reference", "scott", "oracle", "amise"]),
+    "h, in the unit of the data: half the support of a compact kernel, the deviation of the Gaussian",
+)
+.length()
+.swept();
+
 impl Described for Kde {
     const NAME: &'static str = "kernel";
     const SUMMARY: &'static str = "a bump of one shape and width on each point";
@@ -75,33 +86,49 @@ impl Described for Kde {
     const REFERENCE: &'static str = "Rosenblatt 1956; Parzen 1962; Silverman 1986, eq. 2.2a";
     const SMOOTHING: Option<&'static str> = Some("bandwidth");
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::optional("shape", Kind::Choice(&Shape::NAMES), Absent::Word("gaussian"), "the kernel"),
-        Parameter::required(
-            "bandwidth",
-            Kind::PositiveOr(&["silverman", "normal-reference", "scott", "oracle", "amise"]),
-            "h, in the unit of the data: half the support of a compact kernel, the deviation of the Gaussian",
-        )
-        .swept(),
-        Parameter::optional("boundary", Kind::Choice(&["ignore"]), Absent::Word("ignore"), "what to do at walls"),
+        Parameter::optional(
+            "shape",
+            Kind::Choice(&Shape::NAMES),
+            Absent::Word("gaussian"),
+            "the kernel",
+        ),
+        BANDWIDTH,
+        Parameter::optional(
+            "boundary",
+            Kind::Choice(&["ignore"]),
+            Absent::Word("ignore"),
+            "what to do at walls",
+        ),
     ];
 
-    fn build(values: &Values, _context: &Context) -> Result<Self, BuildError> {
+    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+        let shape = values
+            .word("shape")
+            .and_then(Shape::named)
+            .unwrap_or(Shape::Gaussian);
+        Self::new(shape, values, context)
+    }
+}
+
+impl Kde {
+    /// The estimator with the kernel `shape` and everything else from `values`.
+    pub(super) fn new(
+        shape: Shape,
+        values: &Values,
+        context: &Context,
+    ) -> Result<Self, BuildError> {
         let width = match (values.number("bandwidth"), values.word("bandwidth")) {
             (Some(h), _) => Width::Number(h),
             (None, Some("silverman")) => Width::Selected(Box::new(Silverman)),
             (None, Some("normal-reference")) => Width::Selected(Box::new(NormalReference)),
             (None, Some("scott")) => Width::Selected(Box::new(Scott)),
-            _ => {
-                return Err(BuildError {
-                    parameter: "bandwidth",
-                    what: "not yet".to_owned(),
-                });
-            }
+            (None, word) => Width::Number(best(
+                context,
+                "bandwidth",
+                word.unwrap_or_default(),
+                |word, _, _| Err(format!("\"{word}\" is not known")),
+            )?),
         };
-        let shape = values
-            .word("shape")
-            .and_then(Shape::named)
-            .unwrap_or(Shape::Gaussian);
         Ok(Self {
             shape,
             width,

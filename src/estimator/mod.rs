@@ -4,9 +4,21 @@
 //! To add an estimator: one file here with its [`Described`] constants, one line in `experiment/catalogue.rs`, one experiment that asks why
 //! it should exist.
 
+mod bins;
+mod frequency_polygon;
+mod histogram;
 mod kde;
+mod naive;
+mod normal;
+mod shifted_histogram;
+mod width;
 
+pub use frequency_polygon::FrequencyPolygon;
+pub use histogram::Histogram;
 pub use kde::Kde;
+pub use naive::Naive;
+pub use normal::Normal;
+pub use shifted_histogram::ShiftedHistogram;
 
 use crate::density::{Density, Univariate};
 use crate::kernel::{Bandwidth, WidthError};
@@ -38,6 +50,9 @@ pub struct Laws {
     pub scale_equivariant: bool,
     /// Moving data and targets alike changes nothing, if origins move along.
     pub translation_equivariant: bool,
+    /// A point of weight 2w counts as two points of weight w at its place. Not so where a width is chosen from the effective size, which
+    /// is smaller for the one heavy point.
+    pub repeatable: bool,
 }
 
 /// Why a sample could not be fitted.

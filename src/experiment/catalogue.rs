@@ -38,7 +38,14 @@ const fn entry<E: Described>() -> Entry {
 }
 
 /// Every estimator; to add one, add a line.
-pub const ESTIMATORS: &[Entry] = &[entry::<estimator::Kde>()];
+pub const ESTIMATORS: &[Entry] = &[
+    entry::<estimator::Histogram>(),
+    entry::<estimator::ShiftedHistogram>(),
+    entry::<estimator::FrequencyPolygon>(),
+    entry::<estimator::Naive>(),
+    entry::<estimator::Kde>(),
+    entry::<estimator::Normal>(),
+];
 
 /// The estimator of that name.
 pub fn estimator(name: &str) -> Option<&'static Entry> {

@@ -30,7 +30,10 @@ impl Summary {
     pub fn of(sample: &Sample<1>) -> Self {
         let x = sample.coordinates();
         let mass = sample.mass();
-        let centre = x[0];
+        // a point of weight zero may be anywhere, and a far centre costs digits
+        let centre = (0..x.len())
+            .find(|&i| sample.weight(i) > 0.0)
+            .map_or(0.0, |i| x[i]);
         let first: Sum = x
             .iter()
             .enumerate()

@@ -1,7 +1,9 @@
 //! Sample → bandwidth.
 
+mod bin_width;
 mod rules;
 
+pub use bin_width::{BinWidth, freedman_diaconis, frequency_polygon, scott, shifted_histogram};
 pub use rules::{NormalReference, Scott, Silverman};
 
 use crate::kernel::{Bandwidth, Shape};
@@ -13,7 +15,7 @@ use crate::space::Warning;
 pub enum SelectError {
     /// The data have no spread to measure.
     #[error(
-        "all {points} points are at {place}: the data have no spread from which a bandwidth could be chosen; give a number"
+        "all {points} points are at {place}: the data have no spread from which a width could be chosen; give a number"
     )]
     NoSpread {
         /// Points in the sample.

@@ -1,0 +1,49 @@
+//! The naive estimator: the share of the data within a window around each place.
+
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Kde, Laws, Moments};
+use crate::density::Density;
+use crate::kernel::Shape;
+use crate::parameter::{Parameter, Values};
+use crate::sample::Sample;
+use crate::space::Point;
+
+/// f̂(x) = (mass within h of x) / 2h: a histogram whose bin is centred on each x. [Silverman 1986, eq. 2.1]
+///
+/// It *is* the kernel estimator with the uniform kernel, and is computed by it. Its window is 2h wide: the histogram that smooths as much
+/// has the width 2h.
+pub struct Naive(Kde);
+
+impl Estimator<1> for Naive {
+    fn laws(&self) -> Laws {
+        self.0.laws()
+    }
+
+    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+        self.0.fit(sample)
+    }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        self.0.expectation(truth, draws, places)
+    }
+}
+
+impl Described for Naive {
+    const NAME: &'static str = "naive";
+    const SUMMARY: &'static str = "the share of the data within h of each place";
+    const COST: &'static str = Kde::COST;
+    const REFERENCE: &'static str = "Rosenblatt 1956; Silverman 1986, eq. 2.1";
+    const SMOOTHING: Option<&'static str> = Some("bandwidth");
+    const PARAMETERS: &'static [Parameter] = &[Parameter {
+        help: "h, half the width of the window, in the unit of the data",
+        ..super::kde::BANDWIDTH
+    }];
+
+    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+        Ok(Self(Kde::new(Shape::Uniform, values, context)?))
+    }
+}

@@ -1,0 +1,119 @@
+//! The averaged shifted histogram: a histogram without the whim of its origin.
+
+use super::bins::Bins;
+use super::width::{self, Width};
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use crate::parameter::{Absent, Kind, Parameter, Values};
+use crate::sample::Sample;
+use crate::selector;
+use crate::space::{Domain, Field, Point};
+use std::sync::Arc;
+
+/// The mean of m histograms whose origins are width/m apart.
+///
+/// f̂(x) = (1/width) Σ_{|i| < m} (1 - |i|/m) νₖ₊ᵢ, with νⱼ the mass in the narrow bin j of width/m and k the narrow bin of x. For m = 1 the histogram; for
+/// m → ∞ the kernel estimate with the triangular kernel and the bandwidth `width`. [Scott 1985, eq. 2.4; Scott 1992, section 5.1]
+///
+/// O(n + m·targets).
+pub struct ShiftedHistogram {
+    width: Width,
+    shifts: f64,
+    origin: f64,
+}
+
+struct Fitted {
+    bins: Bins,
+    width: f64,
+    shifts: f64,
+    domain: Domain<1>,
+}
+
+impl Field<1> for Fitted {
+    fn domain(&self) -> &Domain<1> {
+        &self.domain
+    }
+
+    fn at(&self, [x]: Point<1>) -> f64 {
+        let total: f64 = self
+            .bins
+            .around(self.bins.number(x), self.shifts - 1.0)
+            .map(|(i, mass)| (self.shifts - i.abs()) * mass)
+            .sum();
+        total / self.shifts / self.width
+    }
+}
+
+impl Estimator<1> for ShiftedHistogram {
+    fn laws(&self) -> Laws {
+        Laws {
+            continuous: false,
+            ..self.width.laws()
+        }
+    }
+
+    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+        let (width, warnings) = self.width.of(sample)?;
+        let narrow = width / self.shifts;
+        width::binned(
+            sample,
+            warnings,
+            width,
+            narrow,
+            self.origin,
+            |bins, domain| {
+                Arc::new(Fitted {
+                    bins,
+                    width,
+                    shifts: self.shifts,
+                    domain,
+                })
+            },
+        )
+    }
+}
+
+impl Described for ShiftedHistogram {
+    const NAME: &'static str = "shifted-histogram";
+    const SUMMARY: &'static str = "the mean of histograms with shifted origins";
+    const COST: &'static str = "O(n + shifts m)";
+    const REFERENCE: &'static str = "Scott 1985, Annals of Statistics 13; Scott 1992, chapter 5";
+    const SMOOTHING: Option<&'static str> = Some("width");
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::required(
+            "width",
+            Kind::PositiveOr(&["normal-reference", "amise"]),
+            "the width of a bin of each histogram, in the unit of the data: the bandwidth of the triangular kernel that the mean tends to",
+        )
+        .length()
+        .swept(),
+        Parameter::optional(
+            "shifts",
+            Kind::Count {
+                least: 1,
+                most: 4096,
+            },
+            Absent::Number(16.0),
+            "how many histograms are averaged",
+        ),
+        Parameter::optional(
+            "origin",
+            Kind::Real,
+            Absent::Number(0.0),
+            "an edge of a bin of the first histogram, in the unit of the data",
+        )
+        .place(),
+    ];
+
+    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+        Ok(Self {
+            width: Width::given(
+                values,
+                context,
+                &[("normal-reference", selector::shifted_histogram)],
+                |word, _, _| Err(format!("\"{word}\" is not known")),
+            )?,
+            shifts: values.number("shifts").unwrap_or(16.0),
+            origin: values.number("origin").unwrap_or(0.0),
+        })
+    }
+}
