@@ -147,7 +147,7 @@ pub fn nearest<'a>(word: &str, allowed: impl IntoIterator<Item = &'a str>) -> Op
         let lower = candidate.to_lowercase();
         let edits = strsim::damerau_levenshtein(&word, &lower);
         let longest = word.chars().count().max(lower.chars().count());
-        if 3 * edits <= longest.max(3) && best.is_none_or(|(least, _)| edits < least) {
+        if 3 * edits <= longest && best.is_none_or(|(least, _)| edits < least) {
             best = Some((edits, candidate));
         }
         if word.chars().count() >= 3 && lower.starts_with(&word) {

@@ -4,6 +4,7 @@
 //! difference. Several channels (colours) share points; the smoothing geometry is always chosen from the total.
 
 mod drawn;
+pub mod file;
 mod source;
 mod summary;
 mod weighted;
