@@ -256,6 +256,16 @@ impl Values {
     }
 }
 
+/// Why a thing could not be built from values that are each legal.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}")]
+pub struct BuildError {
+    /// The parameter at fault.
+    pub parameter: &'static str,
+    /// What is wrong and what would be right.
+    pub what: String,
+}
+
 #[cfg(test)]
 mod tests {
     use super::nearest;

@@ -4,8 +4,9 @@
 //! bits. The generator is counter-based ChaCha with 8 rounds, whose output the crates that provide it promise to keep; it is named
 //! in every manifest. Never a generator that may change between versions, never one seeded from a thread or the clock.
 
-use rand::SeedableRng;
+use rand::distr::Open01;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 /// A stream of random numbers; use it through `rand::RngExt` and `rand_distr`.
 pub type Stream = ChaCha8Rng;
@@ -23,6 +24,11 @@ pub fn stream(seed: u64, purpose: &str, number: u64) -> Stream {
     let mut stream = ChaCha8Rng::from_seed(*hasher.finalize().as_bytes());
     stream.set_stream(number);
     stream
+}
+
+/// A number strictly between 0 and 1, from one 64-bit word: what inverse distribution functions want.
+pub fn open_unit(stream: &mut Stream) -> f64 {
+    stream.sample(Open01)
 }
 
 #[cfg(test)]

@@ -1,14 +1,45 @@
 //! Known truths: densities with everything about them in closed form.
+//!
+//! | density | names | file |
+//! |---|---|---|
+//! | weighted normals, given component by component | `normal-mixture` | `mixture.rs` |
+//! | the fifteen of Marron and Wand | `mw-1` ... `mw-15`, and a word for each (`normal`, `bimodal`, `claw`, ...) | `marron_wand.rs` |
+//! | flat, with a wall at each end | `uniform` | `uniform.rs` |
+//! | 2x and 2(1 - x) on \[0, 1\] | `ramp-up`, `ramp-down` | `ramp.rs` |
+//! | exponential decay from a wall, endless or cut off at 1 | `exponential`, `truncated-exponential` | `exponential.rs`, `truncated_exponential.rs` |
+//! | the right half of a normal | `half-normal` | `half_normal.rs` |
+//! | xᵃ⁻¹ (1 - x)ᵇ⁻¹ on \[0, 1\] | `beta` | `beta.rs` |
+//!
+//! To add a density: one file with its type and its [`Entry`], one line in [`CATALOGUE`]. The law tests find it there.
+//!
+//! # Drawing
+//! Each density says how many random words a draw takes. All but the beta density invert their distribution function, so that the number is fixed and
+//! equal streams give similar samples from similar densities.
 
+mod beta;
+mod exponential;
+mod half_normal;
+mod marron_wand;
+mod mixture;
+mod ramp;
+mod truncated_exponential;
 mod uniform;
 
+pub use beta::Beta;
+pub use exponential::Exponential;
+pub use half_normal::HalfNormal;
+pub use marron_wand::marron_wand;
+pub use mixture::{MixtureError, NormalComponent, NormalMixture};
+pub use ramp::{Direction, Ramp};
+pub use truncated_exponential::TruncatedExponential;
 pub use uniform::Uniform;
 
+use crate::parameter::{Absent, BuildError, Parameter, Values};
 use crate::random::Stream;
 use crate::space::{Field, Point};
+use std::sync::Arc;
 
-/// A probability density that can be drawn from. Its [`Field::domain`] is its support: open sides where it goes on (or fades out smoothly), walls
-/// where it stops with a jump.
+/// A probability density that can be drawn from. Its [`Field::domain`] is its support: open at infinity, walls where the support ends.
 pub trait Density<const D: usize>: Field<D> {
     /// One point.
     fn draw(&self, random: &mut Stream) -> Point<D>;
@@ -16,14 +47,20 @@ pub trait Density<const D: usize>: Field<D> {
     /// The probability of the box from `low` to `high`.
     fn probability(&self, low: Point<D>, high: Point<D>) -> f64;
 
-    /// Where, along `axis`, the density or one of its first two derivatives jumps; quadratures cut their panels there. Ascending.
+    /// Where, along `axis`, the density or one of its first two derivatives jumps; quadratures cut their panels there. Where it behaves
+    /// like a broken power of the distance from a place, a ladder of places that close in on it geometrically. Ascending.
     fn breaks(&self, axis: usize) -> Vec<f64>;
 
     /// The shortest length over which the density changes much along `axis`: no quadrature panel should be much longer.
     fn finest_scale(&self, axis: usize) -> f64;
 
-    /// A box outside which less than `tail` of the mass lies on each side of each axis; finite.
+    /// A box outside which at most `tail` of the mass lies on each side of each axis; finite.
     fn bulk(&self, tail: f64) -> (Point<D>, Point<D>);
+
+    /// The same density with what only exists on a line, in one dimension.
+    fn univariate(&self) -> Option<&dyn Univariate> {
+        None
+    }
 }
 
 /// A density on a line, with what only exists there.
@@ -31,7 +68,7 @@ pub trait Univariate: Density<1> {
     /// F(x), the distribution function.
     fn distribution(&self, x: f64) -> f64;
 
-    /// F⁻¹(p) for 0 ≤ p ≤ 1; the ends of the support (perhaps infinite) at 0 and 1.
+    /// F⁻¹(p) for 0 ≤ p ≤ 1; the ends of the support (perhaps infinite) at 0 and 1. NaN for any other p.
     fn quantile(&self, p: f64) -> f64;
 
     /// f'(x) or f''(x) for `order` 1 or 2, one-sided from inside at a break; 0 outside the support.
@@ -50,13 +87,59 @@ pub trait Univariate: Density<1> {
     }
 }
 
-/// One part of a normal mixture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalComponent {
-    /// Its share of the mass.
-    pub weight: f64,
-    /// Its mean.
-    pub mean: f64,
-    /// Its standard deviation.
-    pub deviation: f64,
+/// What the catalogue says about a density, kept in the density's own file.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Its names in files and tables; the first one is printed.
+    pub names: &'static [&'static str],
+    /// One sentence.
+    pub summary: &'static str,
+    /// Author, year, equation.
+    pub reference: &'static str,
+    /// What it may be told.
+    pub parameters: &'static [Parameter],
+    /// Builds it from checked values.
+    pub build: fn(&Values) -> Result<Arc<dyn Univariate>, BuildError>,
+}
+
+impl Entry {
+    /// Whether the name alone makes a density.
+    pub fn stands_alone(&self) -> bool {
+        self.parameters
+            .iter()
+            .all(|parameter| parameter.absent != Absent::Required)
+    }
+}
+
+/// Every density; to add one, add a line.
+pub const CATALOGUE: &[&[Entry]] = &[
+    marron_wand::ENTRIES,
+    mixture::ENTRIES,
+    uniform::ENTRIES,
+    ramp::ENTRIES,
+    exponential::ENTRIES,
+    truncated_exponential::ENTRIES,
+    half_normal::ENTRIES,
+    beta::ENTRIES,
+];
+
+/// All densities in the order of the catalogue.
+pub fn entries() -> impl Iterator<Item = &'static Entry> {
+    CATALOGUE.iter().copied().flatten()
+}
+
+/// All names, other names of the same density included.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    entries().flat_map(|entry| entry.names.iter().copied())
+}
+
+/// What the catalogue says about the density of that name.
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    entries().find(|entry| entry.names.contains(&name))
+}
+
+/// The density of that name with its default parameters; `None` if there is none of that name, or it needs to be told something.
+pub fn named(name: &str) -> Option<Arc<dyn Univariate>> {
+    let entry = entry(name).filter(|entry| entry.stands_alone())?;
+    (entry.build)(&Values::defaults(entry.parameters)).ok()
 }

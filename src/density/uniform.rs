@@ -1,9 +1,10 @@
 //! The uniform density: flat, with a wall at each end.
 
-use super::{Density, Univariate};
-use crate::random::Stream;
-use crate::space::{Domain, Field, Point};
-use rand::RngExt;
+use super::{Density, Entry, Univariate};
+use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
+use crate::random::{Stream, open_unit};
+use crate::space::{Domain, DomainError, Field, Point};
+use std::sync::Arc;
 
 /// f = 1/(b - a) on \[a, b\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ impl Uniform {
     ///
     /// # Errors
     /// If the interval is empty or not finite.
-    pub fn new(low: f64, high: f64) -> Result<Self, crate::space::DomainError> {
+    pub fn new(low: f64, high: f64) -> Result<Self, DomainError> {
         Ok(Self {
             low,
             high,
@@ -46,12 +47,13 @@ impl Field<1> for Uniform {
 }
 
 impl Density<1> for Uniform {
+    /// One random word a draw.
     fn draw(&self, random: &mut Stream) -> Point<1> {
-        [self.quantile(random.random::<f64>())]
+        [self.quantile(open_unit(random))]
     }
 
     fn probability(&self, [low]: Point<1>, [high]: Point<1>) -> f64 {
-        self.distribution(high) - self.distribution(low)
+        (high.clamp(self.low, self.high) - low.clamp(self.low, self.high)) / self.length()
     }
 
     fn breaks(&self, _axis: usize) -> Vec<f64> {
@@ -65,6 +67,10 @@ impl Density<1> for Uniform {
     fn bulk(&self, _tail: f64) -> (Point<1>, Point<1>) {
         ([self.low], [self.high])
     }
+
+    fn univariate(&self) -> Option<&dyn Univariate> {
+        Some(self)
+    }
 }
 
 impl Univariate for Uniform {
@@ -73,6 +79,9 @@ impl Univariate for Uniform {
     }
 
     fn quantile(&self, p: f64) -> f64 {
+        if !(0.0..=1.0).contains(&p) {
+            return f64::NAN;
+        }
         p.mul_add(self.length(), self.low)
             .clamp(self.low, self.high)
     }
@@ -91,8 +100,37 @@ impl Univariate for Uniform {
 
     fn mean_and_deviation(&self) -> (f64, f64) {
         (
-            0.5 * (self.low + self.high),
+            0.5 * self.low + 0.5 * self.high,
             self.length() / 12.0_f64.sqrt(),
         )
+    }
+}
+
+pub(super) const ENTRIES: &[Entry] = &[Entry {
+    names: &["uniform"],
+    summary: "flat, with a wall at each end",
+    reference: "Silverman 1986, section 2.10 (bounded domains)",
+    parameters: &[
+        Parameter::optional("low", Kind::Real, Absent::Number(0.0), "where it begins"),
+        Parameter::optional("high", Kind::Real, Absent::Number(1.0), "where it ends"),
+    ],
+    build,
+}];
+
+fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {
+    let (low, high) = (
+        values.number("low").unwrap_or(0.0),
+        values.number("high").unwrap_or(1.0),
+    );
+    match Uniform::new(low, high) {
+        Ok(uniform) if uniform.length().is_finite() && uniform.length() > 1e-300 => {
+            Ok(Arc::new(uniform))
+        }
+        _ => Err(BuildError {
+            parameter: "high",
+            what: format!(
+                "the uniform density needs low < high, with a length that is a normal number; got {low} and {high}"
+            ),
+        }),
     }
 }

@@ -13,6 +13,7 @@ mod normal;
 mod shifted_histogram;
 mod width;
 
+pub use crate::parameter::BuildError;
 pub use frequency_polygon::FrequencyPolygon;
 pub use histogram::Histogram;
 pub use kde::Kde;
@@ -168,16 +169,6 @@ pub struct Context {
     pub truth: Option<Arc<dyn Univariate>>,
     /// The size of the samples.
     pub draws: usize,
-}
-
-/// Why an estimator could not be built from values that are each legal.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}")]
-pub struct BuildError {
-    /// The parameter at fault.
-    pub parameter: &'static str,
-    /// What is wrong and what would be right.
-    pub what: String,
 }
 
 /// What the catalogue says about an estimator, kept in the estimator's own file.

@@ -94,6 +94,24 @@ impl<const D: usize> Domain<D> {
         Self::new(low, high, [[Side::Wall; 2]; D])
     }
 
+    /// The unit interval, square, ... with walls all round.
+    pub fn unit() -> Self {
+        Self {
+            low: [0.0; D],
+            high: [1.0; D],
+            sides: [[Side::Wall; 2]; D],
+        }
+    }
+
+    /// All places with no negative coordinate: walls at 0, open at infinity.
+    pub fn non_negative() -> Self {
+        Self {
+            low: [0.0; D],
+            high: [f64::INFINITY; D],
+            sides: [[Side::Wall, Side::Open]; D],
+        }
+    }
+
     /// The lower corner.
     pub fn low(&self) -> Point<D> {
         self.low
