@@ -6,6 +6,7 @@
 //!
 //! There is one grid convention, cell centres, for histograms, binning, transforms, quadrature and pixels.
 
+pub mod binning;
 mod domain;
 mod field;
 mod grid;
