@@ -6,10 +6,13 @@
 //! | engine | sums | targets | error (relative to the ceiling) | cost | file |
 //! |---|---|---|---|---|---|
 //! | direct | any | any | rounding | n·m | `direct.rs` |
+//! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
 
 mod direct;
+mod hermite;
 
 pub use direct::Direct;
+pub use hermite::Hermite;
 
 use crate::kernel::KernelSum;
 use crate::space::{Field, Targets};

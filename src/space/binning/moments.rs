@@ -192,7 +192,7 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
                                     fourth * powers[2],
                                     fourth * powers[3],
                                 ];
-                                let line = &mut table[2 * i as usize & (size - 1)];
+                                let line = &mut table[(2 * i as usize) & (size - 1)];
                                 for k in 0..4 {
                                     line.0[0][k] += powers[k];
                                     line.0[1][k] += high[k];
@@ -230,7 +230,7 @@ mod tests {
                 }
             }
         }
-        sums.iter().map(|row| row.map(|s| s.value())).collect()
+        sums.iter().map(|row| row.map(Sum::value)).collect()
     }
 
     fn compare<const M: usize>(points: &[f64], weights: &[f64], lattice: Lattice) {
