@@ -111,7 +111,10 @@ impl Density<1> for Beta {
         let tail = tail.clamp(1e-300, 0.5);
         (
             [Self::lower_quantile(self.a, self.b, tail)],
-            [1.0 - Self::lower_quantile(self.b, self.a, tail)],
+            // rounding near 1 must not cut into the bulk
+            [(1.0 - Self::lower_quantile(self.b, self.a, tail))
+                .next_up()
+                .min(1.0)],
         )
     }
 

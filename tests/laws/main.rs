@@ -1,0 +1,5 @@
+//! Laws: one suite per trait, run over everything that implements it.
+#![allow(clippy::unwrap_used, clippy::float_cmp, missing_docs)]
+
+mod chance;
+mod density;
