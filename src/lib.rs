@@ -31,9 +31,10 @@
 //! | [`accuracy`] | how wrong: distances between fields |
 //! | [`experiment`] | question → table |
 //! | `report` | table → figures and page |
-//! | `cli` | one file per command |
+//! | [`cli`] | one file per command |
 pub mod accuracy;
 pub mod boundary;
+pub mod cli;
 pub mod density;
 pub mod engine;
 pub mod estimator;

@@ -1,2 +1,7 @@
-//! x
-fn main() {}
+//! `lab`, the command line of the laboratory.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    density_lab::cli::main()
+}

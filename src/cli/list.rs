@@ -1,0 +1,291 @@
+//! `lab list`
+
+use super::notes::Notes;
+use super::output::Output;
+use super::stop::Stop;
+use crate::boundary::{self, Boundary};
+use crate::density;
+use crate::experiment::catalogue::ESTIMATORS;
+use crate::kernel::{Kernel, Shape};
+use crate::parameter::{Absent, Kind, Parameter};
+use crate::selector::{NormalReference, Scott, Selector, Silverman};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::Path;
+
+/// Show what can be named: densities, estimators, kernels, ...
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  lab list
+  lab list estimators                             with their parameters
+  lab list densities --json | jq -r '.[].name'")]
+pub struct List {
+    /// One kind only; with its details
+    kind: Option<Family>,
+
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Family {
+    /// Known truths
+    Densities,
+    /// Ways from a sample to an estimate
+    Estimators,
+    /// Bumps
+    Kernels,
+    /// Rules that choose a bandwidth
+    Selectors,
+    /// Treatments of walls
+    Boundaries,
+    /// Ways to compute a kernel sum
+    Engines,
+    /// Files in the folder `experiments`
+    Experiments,
+}
+
+/// One thing that has a name.
+#[derive(Serialize)]
+struct Row {
+    name: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    aliases: Vec<&'static str>,
+    summary: String,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    cost: &'static str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    reference: &'static str,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parameters: Vec<Setting>,
+}
+
+/// One parameter of it.
+#[derive(Serialize)]
+struct Setting {
+    name: &'static str,
+    takes: String,
+    default: Option<String>,
+    help: &'static str,
+}
+
+impl Row {
+    fn new(name: impl Into<String>, summary: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            aliases: Vec::new(),
+            summary: summary.into(),
+            cost: "",
+            reference: "",
+            parameters: Vec::new(),
+        }
+    }
+}
+
+impl List {
+    pub fn run(&self, notes: Notes) -> Result<(), Stop> {
+        let mut output = Output::open(None)?;
+        match (self.kind, self.json) {
+            (Some(family), true) => output.json(&rows(family, notes)?)?,
+            (Some(family), false) => details(&mut output, &rows(family, notes)?)?,
+            (None, true) => {
+                let mut all = serde_json::Map::new();
+                for family in Family::value_variants() {
+                    let rows = serde_json::to_value(rows(*family, notes)?)
+                        .map_err(|error| Stop::System(error.to_string()))?;
+                    all.insert(title(*family), rows);
+                }
+                output.json(&all)?;
+            }
+            (None, false) => {
+                for (i, family) in Family::value_variants().iter().enumerate() {
+                    let gap = if i > 0 { "\n" } else { "" };
+                    writeln!(output, "{gap}{}:", title(*family))?;
+                    let rows = rows(*family, notes)?;
+                    let width = width(rows.iter().map(|row| row.name.as_str()));
+                    for row in rows {
+                        writeln!(output, "  {:width$}  {}", row.name, row.summary)?;
+                    }
+                }
+            }
+        }
+        output.finish()
+    }
+}
+
+fn title(family: Family) -> String {
+    let value = family.to_possible_value();
+    value.map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+fn width<'a>(names: impl Iterator<Item = &'a str>) -> usize {
+    names.map(|name| name.chars().count()).max().unwrap_or(0)
+}
+
+fn details(output: &mut Output, rows: &[Row]) -> Result<(), Stop> {
+    for row in rows {
+        let aliases = if row.aliases.is_empty() {
+            String::new()
+        } else {
+            format!(" (also {})", row.aliases.join(", "))
+        };
+        writeln!(output, "{}{aliases}\n    {}", row.name, row.summary)?;
+        for (label, text) in [("cost", row.cost), ("source", row.reference)] {
+            if !text.is_empty() {
+                writeln!(output, "    {label}: {text}")?;
+            }
+        }
+        let width = width(row.parameters.iter().map(|setting| setting.name));
+        for setting in &row.parameters {
+            let Setting {
+                name, takes, help, ..
+            } = setting;
+            let default = match &setting.default {
+                Some(value) => format!("; default {value}"),
+                None => String::new(),
+            };
+            writeln!(output, "    - {name:width$}  {takes}{default}")?;
+            writeln!(output, "      {:width$}  {help}", "")?;
+        }
+    }
+    Ok(())
+}
+
+fn rows(family: Family, notes: Notes) -> Result<Vec<Row>, Stop> {
+    Ok(match family {
+        Family::Densities => density::entries()
+            .map(|entry| Row {
+                aliases: entry.names[1..].to_vec(),
+                reference: entry.reference,
+                parameters: settings(entry.parameters),
+                ..Row::new(entry.names[0], entry.summary)
+            })
+            .collect(),
+        Family::Estimators => ESTIMATORS
+            .iter()
+            .map(|entry| Row {
+                cost: entry.cost,
+                reference: entry.reference,
+                parameters: settings(entry.parameters),
+                ..Row::new(entry.name, entry.summary)
+            })
+            .collect(),
+        Family::Kernels => Shape::ALL.into_iter().map(kernel).collect(),
+        Family::Selectors => selectors(),
+        Family::Boundaries => {
+            vec![Row::new(
+                Boundary::<1>::name(&boundary::Ignore),
+                "kernels reach through the walls; the estimate at a wall is half of what it should be",
+            )]
+        }
+        Family::Engines => engines(),
+        Family::Experiments => experiments(Path::new("experiments"), notes)?,
+    })
+}
+
+fn kernel(shape: Shape) -> Row {
+    let support = if shape.reach() > 1.0 {
+        "the whole line"
+    } else {
+        "|u| <= 1"
+    };
+    Row::new(
+        shape.name(),
+        format!(
+            "support {support}, variance {:.4}, roughness {:.4}, efficiency {:.4}",
+            shape.variance(),
+            shape.roughness(),
+            shape.efficiency()
+        ),
+    )
+}
+
+fn selectors() -> Vec<Row> {
+    let named = |selector: &dyn Selector<1>, summary| Row::new(selector.name(), summary);
+    vec![
+        named(
+            &Silverman,
+            "0.9 min(deviation, quartile range / 1.34) n^(-1/5)",
+        ),
+        named(&NormalReference, "1.06 deviation n^(-1/5)"),
+        named(
+            &Scott,
+            "1.06 min(deviation, quartile range / 1.34) n^(-1/5)",
+        ),
+        Row::new("oracle", "the least exact MISE, where the truth is known"),
+        Row::new(
+            "amise",
+            "the least asymptotic MISE, where the truth is known",
+        ),
+    ]
+}
+
+fn engines() -> Vec<Row> {
+    vec![Row::new("direct", "the definition, point by point")]
+}
+
+/// The experiments in `folder` with their questions.
+fn experiments(folder: &Path, notes: Notes) -> Result<Vec<Row>, Stop> {
+    if !folder.is_dir() {
+        notes.say(&format!("there is no folder `{}` here", folder.display()));
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(folder).map_err(|e| Stop::reading(folder, &e))?;
+    let mut rows = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|e| Stop::reading(folder, &e))?.path();
+        if path.extension().is_none_or(|ending| ending != "toml") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).map_err(|e| Stop::reading(&path, &e))?;
+        let question = toml::from_str::<toml::Table>(&text)
+            .ok()
+            .and_then(|table| Some(table.get("question")?.as_str()?.to_owned()))
+            .unwrap_or_else(|| "(not a legal experiment: see lab check)".to_owned());
+        rows.push(Row::new(path.display().to_string(), question));
+    }
+    rows.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(rows)
+}
+
+fn settings(parameters: &[Parameter]) -> Vec<Setting> {
+    parameters
+        .iter()
+        .map(|parameter| Setting {
+            name: parameter.name,
+            takes: takes(parameter),
+            default: match parameter.absent {
+                Absent::Required | Absent::Unset => None,
+                Absent::Number(x) => Some(x.to_string()),
+                Absent::Word(word) => Some(format!("\"{word}\"")),
+                Absent::Flag(flag) => Some(flag.to_string()),
+            },
+            help: parameter.help,
+        })
+        .collect()
+}
+
+fn takes(parameter: &Parameter) -> String {
+    let one = match parameter.kind {
+        Kind::Real => "a finite number".to_owned(),
+        Kind::Positive => "a finite number above 0".to_owned(),
+        Kind::Fraction => "a number from 0 to 1".to_owned(),
+        Kind::Count { least, most } => format!("a whole number from {least} to {most}"),
+        Kind::Choice(words) => words.join(" | "),
+        Kind::Text => "a text".to_owned(),
+        Kind::Flag => "true | false".to_owned(),
+        Kind::PositiveOr(words) => format!("a finite number above 0 | {}", words.join(" | ")),
+        Kind::Rows(parameters) => {
+            let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+            format!("a list of tables with {}", names.join(", "))
+        }
+    };
+    if parameter.sweeps {
+        format!("{one}; a list for a sweep")
+    } else {
+        one
+    }
+}
