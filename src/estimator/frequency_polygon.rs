@@ -35,6 +35,9 @@ impl Field<1> for Fitted {
     fn at(&self, [x]: Point<1>) -> f64 {
         // how many widths x lies beyond the centre of bin 0
         let place = (x - self.origin) / self.width - 0.5;
+        if place.is_infinite() {
+            return 0.0;
+        }
         let left = place.floor() + 0.0;
         let share = place - left;
         let (f0, f1) = (self.bins.mass(left), self.bins.mass(left + 1.0));

@@ -17,7 +17,9 @@ pub struct Normal;
 
 struct Fitted {
     mass: f64,
-    mean: f64,
+    /// The mean in two parts, so that far from zero it has more digits than one number could hold.
+    centre: f64,
+    offset: f64,
     deviation: f64,
     domain: Domain<1>,
 }
@@ -28,7 +30,8 @@ impl Field<1> for Fitted {
     }
 
     fn at(&self, [x]: Point<1>) -> f64 {
-        self.mass * normal_density((x - self.mean) / self.deviation) / self.deviation
+        self.mass * normal_density((x - self.centre - self.offset) / self.deviation)
+            / self.deviation
     }
 }
 
@@ -47,7 +50,7 @@ impl Estimator<1> for Normal {
     }
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
-        let (mean, deviation) = likeliest(sample);
+        let (centre, offset, deviation) = likeliest(sample);
         let largest = sample
             .coordinates()
             .iter()
@@ -57,14 +60,16 @@ impl Estimator<1> for Normal {
         // a spread below the resolution of the numbers themselves is no spread
         if deviation <= 4.0 * f64::EPSILON * largest || !deviation.recip().is_finite() {
             return Err(FitError::Degenerate(format!(
-                "all {} points are at {mean}: no normal density is likeliest for data without spread; choose another estimator",
-                sample.len()
+                "all {} points are at {}: no normal density is likeliest for data without spread; choose another estimator",
+                sample.len(),
+                centre + offset
             )));
         }
         let field = |mass| -> Arc<dyn Field<1>> {
             Arc::new(Fitted {
                 mass,
-                mean,
+                centre,
+                offset,
                 deviation,
                 domain: *sample.domain(),
             })
@@ -77,23 +82,23 @@ impl Estimator<1> for Normal {
     }
 }
 
-/// Mean and deviation, both about a centre near the data so that a distant origin costs no digits. O(n).
-fn likeliest(sample: &Sample<1>) -> (f64, f64) {
+/// A point of the sample, the distance of the mean from it, and the deviation. O(n).
+fn likeliest(sample: &Sample<1>) -> (f64, f64, f64) {
     let x = sample.coordinates();
     // a point of weight zero may be anywhere, and a far centre costs digits
     let centre = (0..x.len())
         .find(|&i| sample.weight(i) > 0.0)
         .map_or(0.0, |i| x[i]);
-    let about = |centre: f64, power: i32| {
+    let about = |offset: f64, power: i32| {
         let sum: Sum = x
             .iter()
             .enumerate()
-            .map(|(i, x)| sample.weight(i) * (x - centre).powi(power))
+            .map(|(i, x)| sample.weight(i) * (x - centre - offset).powi(power))
             .collect();
         sum.value() / sample.mass()
     };
-    let mean = centre + about(centre, 1);
-    (mean, about(mean, 2).sqrt())
+    let offset = about(0.0, 1);
+    (centre, offset, about(offset, 2).sqrt())
 }
 
 impl Described for Normal {
@@ -120,7 +125,8 @@ mod tests {
         let points = vec![[1.0], [2.0], [4.0], [7.0], [1e18]];
         let weights = vec![3.0, 1.0, 1.0, 1.0, 0.0];
         let sample = Sample::normalised(points, weights, Domain::whole()).expect("legal");
-        let (mean, deviation) = likeliest(&sample);
+        let (centre, offset, deviation) = likeliest(&sample);
+        let mean = centre + offset;
         let expected: f64 = (3.0 * (1.0 - 8.0 / 3.0_f64).powi(2)
             + (2.0 - 8.0 / 3.0_f64).powi(2)
             + (4.0 - 8.0 / 3.0_f64).powi(2)

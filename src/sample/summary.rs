@@ -19,6 +19,8 @@ pub struct Summary {
     pub deviation: f64,
     /// The first quartile, the median, the third quartile.
     pub quartiles: [f64; 3],
+    /// The distance between the first and the third quartile, with more digits than the quartiles themselves have far from zero.
+    pub interquartile_range: f64,
     /// Points that share their place with an earlier one.
     pub ties: usize,
     /// (Σw)²/Σw².
@@ -64,31 +66,30 @@ impl Summary {
             .windows(2)
             .filter(|pair| pair[0].0 == pair[1].0)
             .count();
+        let quartiles = [0.25, 0.5, 0.75].map(|p| quantile(&order, p));
         Self {
             least: order[0].0,
             most: order[order.len() - 1].0,
             mean,
             deviation,
-            quartiles: [0.25, 0.5, 0.75].map(|p| quantile(&order, p)),
+            quartiles: quartiles.map(|(below, beyond)| below + beyond),
+            interquartile_range: (quartiles[2].0 - quartiles[0].0)
+                + (quartiles[2].1 - quartiles[0].1),
             ties,
             effective_size: sample.effective_size(),
         }
     }
-
-    /// The distance between the quartiles.
-    pub fn interquartile_range(&self) -> f64 {
-        self.quartiles[2] - self.quartiles[0]
-    }
 }
 
 /// The p-quantile of ordered (place, weight) pairs: the order statistic i sits at (Σ_{j<i} wⱼ) / (Σw - w̄ᵢ) of the way, so
-/// that equal weights give (i - 1)/(n - 1); in between, linear.
-fn quantile(order: &[(f64, f64)], p: f64) -> f64 {
+/// that equal weights give (i - 1)/(n - 1); in between, linear. Given as the order statistic below it and the
+/// distance from that one.
+fn quantile(order: &[(f64, f64)], p: f64) -> (f64, f64) {
     let total: f64 = order.iter().map(|&(_, w)| w).sum();
     // each order statistic at the middle of its weight, stretched so that the first is at 0 and the last at 1
     let (first, last) = (0.5 * order[0].1, total - 0.5 * order[order.len() - 1].1);
     if last <= first {
-        return order[0].0;
+        return (order[0].0, 0.0);
     }
     let wanted = p.mul_add(last - first, first);
     let mut below = 0.0;
@@ -98,15 +99,15 @@ fn quantile(order: &[(f64, f64)], p: f64) -> f64 {
         if middle >= wanted {
             let gap = middle - previous.1;
             return if gap > 0.0 {
-                (x - previous.0).mul_add((wanted - previous.1) / gap, previous.0)
+                (previous.0, (x - previous.0) * ((wanted - previous.1) / gap))
             } else {
-                x
+                (x, 0.0)
             };
         }
         previous = (x, middle);
         below += w;
     }
-    order[order.len() - 1].0
+    (order[order.len() - 1].0, 0.0)
 }
 
 #[cfg(test)]
@@ -162,7 +163,7 @@ mod tests {
         let summary = Summary::of(&sample(&[3.0]));
         assert!(
             summary.deviation.abs() < f64::MIN_POSITIVE
-                && summary.interquartile_range().abs() < f64::MIN_POSITIVE
+                && summary.interquartile_range.abs() < f64::MIN_POSITIVE
         );
     }
 }

@@ -35,7 +35,7 @@ pub fn scott(sample: &Sample<1>) -> Result<BinWidth, SelectError> {
 /// # Errors
 /// If the data have no spread.
 pub fn freedman_diaconis(sample: &Sample<1>) -> Result<BinWidth, SelectError> {
-    let range = Summary::of(sample).interquartile_range();
+    let range = Summary::of(sample).interquartile_range;
     if range > 0.0 {
         return Ok(BinWidth {
             width: 2.0 * range / sample.effective_size().cbrt(),
@@ -101,7 +101,7 @@ mod tests {
         near(scott(&data), 3.49 * summary.deviation / n.cbrt(), 1e-3);
         near(
             freedman_diaconis(&data),
-            2.0 * summary.interquartile_range() / 2.0,
+            2.0 * summary.interquartile_range / 2.0,
             1e-14,
         );
         near(

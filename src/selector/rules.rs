@@ -81,7 +81,7 @@ pub(super) fn spread(sample: &Sample<1>, robust: bool) -> Result<(f64, Vec<Warni
             place: summary.mean,
         });
     }
-    let quartile_spread = summary.interquartile_range() / 1.34;
+    let quartile_spread = summary.interquartile_range / 1.34;
     if robust && quartile_spread > 0.0 {
         return Ok((summary.deviation.min(quartile_spread), Vec::new()));
     }

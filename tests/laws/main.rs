@@ -3,3 +3,4 @@
 
 mod chance;
 mod density;
+mod estimator;

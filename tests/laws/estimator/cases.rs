@@ -1,0 +1,236 @@
+//! What is tried: estimators in several settings, and data of several kinds.
+
+use density_lab::estimator::{Context, Estimator};
+use density_lab::experiment::catalogue::{ESTIMATORS, Entry};
+use density_lab::parameter::{Absent, Kind, Parameter, Unit, Value, Values};
+use density_lab::sample::{Sample, Weights};
+use density_lab::space::Domain;
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// An estimator that can be had again for data that were stretched and moved.
+pub struct Subject {
+    /// Its kind and settings.
+    pub name: String,
+    /// The same estimator for data x ↦ scale · x + shift.
+    pub make: Box<dyn Fn(f64, f64) -> Box<dyn Estimator<1>> + Send + Sync>,
+}
+
+impl Subject {
+    pub fn plain(&self) -> Box<dyn Estimator<1>> {
+        (self.make)(1.0, 0.0)
+    }
+}
+
+/// Every estimator of the catalogue: for each value of what decides the smoothing, the defaults with one other parameter varied at a time.
+pub fn catalogue() -> Vec<Subject> {
+    ESTIMATORS.iter().flat_map(settings).collect()
+}
+
+fn settings(entry: &'static Entry) -> Vec<Subject> {
+    let mut all = Vec::new();
+    let smoothing = entry.smoothing.map(|name| {
+        entry
+            .parameters
+            .iter()
+            .find(|parameter| parameter.name == name)
+            .unwrap()
+    });
+    let mut bases = vec![Values::defaults(entry.parameters)];
+    for parameter in entry.parameters {
+        if parameter.absent == Absent::Required && Some(parameter.name) != entry.smoothing {
+            bases[0].set(parameter.name, tried(parameter)[0].clone());
+        }
+    }
+    if let Some(smoothing) = smoothing {
+        bases = tried(smoothing)
+            .into_iter()
+            .map(|value| {
+                let mut base = bases[0].clone();
+                base.set(smoothing.name, value);
+                base
+            })
+            .collect();
+    }
+    for base in bases {
+        all.push(base.clone());
+        for parameter in entry.parameters {
+            if Some(parameter.name) == entry.smoothing {
+                continue;
+            }
+            for value in tried(parameter) {
+                if base.get(parameter.name) != Some(&value) {
+                    let mut varied = base.clone();
+                    varied.set(parameter.name, value);
+                    all.push(varied);
+                }
+            }
+        }
+    }
+    all.into_iter()
+        .map(|values| subject(entry, values))
+        .collect()
+}
+
+/// Values of a parameter that are worth trying; irrational enough to keep edges of bins away from data that have few binary digits.
+fn tried(parameter: &Parameter) -> Vec<Value> {
+    let numbers =
+        |numbers: &[f64]| -> Vec<Value> { numbers.iter().map(|&x| Value::Number(x)).collect() };
+    let words = |words: &[&str]| -> Vec<Value> {
+        words.iter().map(|&w| Value::Word(w.to_owned())).collect()
+    };
+    match parameter.kind {
+        Kind::Real => numbers(&[0.0, -157.0 / 256.0]),
+        Kind::Positive => numbers(&[0.371_73, 1.717_3]),
+        Kind::Fraction => numbers(&[0.0, 0.5, 1.0]),
+        Kind::Count { least, most } => [least, least + 6, most.min(100)]
+            .into_iter()
+            .filter(|count| *count <= most)
+            .map(Value::Count)
+            .collect(),
+        Kind::Choice(choices) => words(choices),
+        Kind::Flag => vec![Value::Flag(false), Value::Flag(true)],
+        Kind::PositiveOr(choices) => {
+            let mut values = numbers(&[0.371_73, 1.717_3]);
+            values.extend(words(choices).into_iter().filter(|w| {
+                *w != Value::Word("oracle".to_owned()) && *w != Value::Word("amise".to_owned())
+            }));
+            values
+        }
+        Kind::Text | Kind::Rows(_) => panic!("teach the suite what to try for {}", parameter.name),
+    }
+}
+
+fn subject(entry: &'static Entry, values: Values) -> Subject {
+    let shown: Vec<String> = values
+        .iter()
+        .map(|(name, value)| format!("{name} = {value:?}"))
+        .collect();
+    Subject {
+        name: format!("{} {{ {} }}", entry.name, shown.join(", ")),
+        make: Box::new(move |scale, shift| {
+            let mut moved = values.clone();
+            for parameter in entry.parameters {
+                if let Some(Value::Number(x)) = values.get(parameter.name) {
+                    let there = match parameter.unit {
+                        Unit::Pure => *x,
+                        Unit::Length => scale * x,
+                        Unit::Place => scale * x + shift,
+                    };
+                    moved.set(parameter.name, Value::Number(there));
+                }
+            }
+            (entry.build)(&moved, &context(scale, shift))
+                .unwrap_or_else(|error| panic!("{}: {error}", entry.name))
+        }),
+    }
+}
+
+fn context(_scale: f64, _shift: f64) -> Context {
+    Context {
+        truth: None,
+        draws: 20,
+    }
+}
+
+/// A data set with places to look at.
+#[derive(Clone, Debug)]
+pub struct Data {
+    pub points: Vec<f64>,
+    /// Whole numbers from 1.
+    pub weights: Vec<u32>,
+    pub targets: Vec<f64>,
+    /// Something to choose by.
+    pub choice: usize,
+}
+
+/// What data a law is tried on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sort {
+    /// At least three points in general position.
+    General,
+    /// From one point on, also tied, on lattices that share places with the edges of bins, and in clusters.
+    Any,
+    /// One point, or several at one place.
+    OnePlace,
+}
+
+/// A number with 20 binary digits after the point, so that adding 10⁹ or multiplying by a power of two is exact.
+fn place(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    let unit = f64::from(1 << 20);
+    ((low * unit) as i64..(high * unit) as i64).prop_map(move |k| k as f64 / unit)
+}
+
+pub fn data(sort: Sort) -> BoxedStrategy<Data> {
+    let general = || vec(place(-3.0, 3.0), 3..24).boxed();
+    let points = match sort {
+        Sort::General => general(),
+        Sort::Any => prop_oneof![
+            4 => general(),
+            1 => vec(place(-3.0, 3.0), 1..3),
+            2 => vec((-8i32..8).prop_map(f64::from), 2..24),
+            2 => vec((-30i32..30).prop_map(|k| f64::from(k) * 0.1), 2..24),
+            // edges of bins of the width that is tried
+            2 => vec((-8i32..8).prop_map(|k| f64::from(k) * 0.371_73), 2..24),
+            1 => (vec(place(-0.01, 0.01), 2..12), vec(place(900.0, 901.0), 1..3)).prop_map(|(near, far)| [near, far].concat()),
+        ]
+        .boxed(),
+        Sort::OnePlace => (place(-3.0, 3.0), 1usize..9, prop_oneof![Just(0.0), Just(1e9), Just(1e-9)])
+            .prop_map(|(x, n, offset)| vec![x + offset; n])
+            .boxed(),
+    };
+    (points, 0usize..1000)
+        .prop_flat_map(|(points, choice)| {
+            let n = points.len();
+            let (low, high) = span(&points);
+            (
+                Just(points),
+                vec(1u32..5, n),
+                vec(place(low - 3.0, high + 3.0), 24),
+                Just(choice),
+            )
+        })
+        .prop_map(|(points, weights, mut targets, choice)| {
+            targets.extend(&points);
+            Data {
+                points,
+                weights,
+                targets,
+                choice,
+            }
+        })
+        .boxed()
+}
+
+pub fn span(points: &[f64]) -> (f64, f64) {
+    points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
+            (low.min(x), high.max(x))
+        })
+}
+
+/// A sample of `points` with `weights` as they are.
+pub fn weighted(points: &[f64], weights: Vec<f64>) -> Sample<1> {
+    let points = points.iter().map(|&x| [x]).collect();
+    Sample::new(points, Weights::Each(weights.into()), Domain::whole()).unwrap()
+}
+
+/// A sample of `points`, 1/n each.
+pub fn equal(points: &[f64]) -> Sample<1> {
+    Sample::equal(points.iter().map(|&x| [x]).collect(), Domain::whole()).unwrap()
+}
+
+impl Data {
+    /// With the weights of the data, of mass 1.
+    pub fn sample(&self) -> Sample<1> {
+        let total: u32 = self.weights.iter().sum();
+        weighted(
+            &self.points,
+            self.weights
+                .iter()
+                .map(|&w| f64::from(w) / f64::from(total))
+                .collect(),
+        )
+    }
+}
