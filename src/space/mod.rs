@@ -10,11 +10,13 @@ pub mod binning;
 mod domain;
 mod field;
 mod grid;
+mod modes;
 mod raster;
 
 pub use domain::{Domain, DomainError, Side};
 pub use field::{Evaluation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
+pub use modes::{Mode, RIPPLE, modes};
 pub use raster::Raster;
 
 /// A place in `D` dimensions.
