@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// What values a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub enum Kind {
     Positive,
     /// A number from 0 to 1, both allowed.
     Fraction,
+    /// A number strictly between two others.
+    Between(f64, f64),
     /// A whole number in a range, both ends allowed.
     Count {
         /// The least.
@@ -24,14 +27,54 @@ pub enum Kind {
     },
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// A list of these words.
+    Choices(&'static [&'static str]),
     /// Any text.
     Text,
+    /// A text or a list of texts, at least one.
+    Texts,
     /// `true` or `false`.
     Flag,
     /// A positive number or one of these words (a rule that chooses the number).
     PositiveOr(&'static [&'static str]),
     /// A list of tables, each with these parameters.
     Rows(&'static [Parameter]),
+}
+
+/// What is allowed, in words.
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Real => f.write_str("a finite number"),
+            Self::Positive => f.write_str("a finite number above 0"),
+            Self::Fraction => f.write_str("a number from 0 to 1"),
+            Self::Between(low, high) => {
+                write!(f, "a number between {low} and {high}, the ends excluded")
+            }
+            Self::Count { least, most } => write!(f, "a whole number from {least} to {most}"),
+            Self::Choice(words) => write!(f, "one of {}", listed(words)),
+            Self::Choices(words) => write!(f, "a list of any of {}", listed(words)),
+            Self::Text => f.write_str("a text in quotes"),
+            Self::Texts => f.write_str("a text in quotes, or a list of texts"),
+            Self::Flag => f.write_str("true or false"),
+            Self::PositiveOr(words) => {
+                write!(f, "a finite number above 0, or one of {}", listed(words))
+            }
+            Self::Rows(parameters) => {
+                let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+                write!(f, "a list of tables with {}", listed(&names))
+            }
+        }
+    }
+}
+
+/// Words as they are typed, separated by commas.
+pub fn listed<S: AsRef<str>>(words: &[S]) -> String {
+    words
+        .iter()
+        .map(|word| format!("`{}`", word.as_ref()))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// What holds when a parameter is not given.
@@ -137,14 +180,17 @@ impl Parameter {
 /// Few edits (a swap of neighbours is one) compared with the length, whatever the case, or a beginning that fits one only; nothing rather than
 /// a wild guess.
 pub fn nearest<'a>(word: &str, allowed: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let word = word.trim().to_lowercase();
-    if word.is_empty() {
+    // Nobody mistypes a paragraph, and comparing costs the product of the lengths.
+    const LONGEST: usize = 100;
+    let plain = |word: &str| word.trim().to_lowercase().replace('_', "-");
+    if word.trim().is_empty() || word.len() > LONGEST {
         return None;
     }
+    let word = plain(word);
     let mut best: Option<(usize, &str)> = None;
     let mut beginning = Vec::new();
     for candidate in allowed {
-        let lower = candidate.to_lowercase();
+        let lower = plain(candidate);
         let edits = strsim::damerau_levenshtein(&word, &lower);
         let longest = word.chars().count().max(lower.chars().count());
         if 3 * edits <= longest && best.is_none_or(|(least, _)| edits < least) {
@@ -173,6 +219,8 @@ pub enum Value {
     Word(String),
     /// A flag.
     Flag(bool),
+    /// Words or texts.
+    Words(Vec<String>),
     /// Rows of further values.
     Rows(Vec<Values>),
 }
@@ -247,6 +295,14 @@ impl Values {
         }
     }
 
+    /// Words or texts, if set.
+    pub fn words(&self, name: &str) -> &[String] {
+        match self.get(name) {
+            Some(Value::Words(words)) => words,
+            _ => &[],
+        }
+    }
+
     /// Rows, if set.
     pub fn rows(&self, name: &str) -> &[Values] {
         match self.get(name) {
@@ -281,6 +337,7 @@ mod tests {
             ("widht", Some("width")),
             ("quartic", None),
             ("", None),
+            (&"gaussian".repeat(1000), None),
         ] {
             assert_eq!(nearest(word, allowed), meant, "{word}");
         }

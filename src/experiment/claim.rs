@@ -1,6 +1,8 @@
 //! What a run must show.
 
+use super::significant;
 use serde::Serialize;
+use std::fmt;
 
 /// A quantity that a claim is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -168,4 +170,77 @@ pub enum Statement {
         /// How many significant digits must agree.
         digits: u32,
     },
+}
+
+/// The statement as a sentence.
+impl fmt::Display for Statement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Below {
+                measure,
+                of,
+                below,
+                by,
+                ..
+            } => {
+                write!(f, "{} of {of} is below that of {below}", measure.name())?;
+                if (by - 1.0).abs() < f64::EPSILON {
+                    Ok(())
+                } else {
+                    write!(f, " by a factor of {by} or more")
+                }
+            }
+            Self::Equals {
+                measure,
+                of,
+                over,
+                equals,
+                margin,
+                ..
+            } => {
+                let margin = significant(*margin, 3);
+                write!(f, "{} of {of} is {equals} ± {margin}", measure.name())?;
+                match over.as_deref() {
+                    None => Ok(()),
+                    Some("minimum") => f.write_str(" times the least of any bandwidth"),
+                    Some(over) => write!(f, " times that of {over}"),
+                }
+            }
+            Self::AgreesWithExact { measure, of, .. } => {
+                let of = match &of[..] {
+                    [] => "all estimators".to_owned(),
+                    [one] => one.clone(),
+                    many => format!("{} estimators", many.len()),
+                };
+                let name = measure.name();
+                write!(f, "simulated {name} of {of} agrees with the exact value")
+            }
+            Self::MedianModes { of, median } => {
+                write!(f, "the median number of modes of {of} is {median}")
+            }
+            Self::ShareOfModes {
+                of,
+                count,
+                share,
+                margin,
+            } => write!(
+                f,
+                "{of} has {count} modes in {share} ± {margin} of the replicates"
+            ),
+            Self::BestIsNear { of, within } => write!(
+                f,
+                "the best of {of} lies within {} % of the exact optimum",
+                significant(100.0 * within, 3)
+            ),
+            Self::Oracle {
+                quantity,
+                kernel,
+                equals,
+                digits,
+            } => write!(
+                f,
+                "{quantity} for the {kernel} kernel is {equals} to {digits} digits"
+            ),
+        }
+    }
 }

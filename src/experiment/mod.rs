@@ -7,9 +7,11 @@
 //! An [`Experiment`] holds only checked values; every error of a file is found in [`read`] before a sample is drawn. What the file leaves out
 //! is filled in there, so that the experiment written to the manifest says everything.
 
+pub mod budget;
 pub mod catalogue;
 mod claim;
 mod figure;
+pub mod read;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};
@@ -116,4 +118,31 @@ pub struct SweepMember {
     pub parameter: String,
     /// Its value here.
     pub value: f64,
+}
+
+/// `x` to so many significant digits, without trailing zeros.
+pub fn significant(x: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1))
+        .parse()
+        .unwrap_or(x);
+    let size = rounded.abs();
+    if size != 0.0 && !(1e-5..1e9).contains(&size) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn digits_are_the_fewest() {
+        assert_eq!(significant(0.1, 4), "0.1");
+        assert_eq!(significant(0.123_456, 4), "0.1235");
+        assert_eq!(significant(12_345.6, 4), "12350");
+        assert_eq!(significant(1.5e-9, 4), "1.5e-9");
+        assert_eq!(significant(2.0, 4), "2");
+    }
 }

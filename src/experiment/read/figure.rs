@@ -1,0 +1,314 @@
+//! `[[figure]]`.
+
+use super::node::{Entry, Reader, Table};
+use super::problem::{Problem, Span};
+use super::setting::Setting;
+use super::value::{self, Located};
+use crate::experiment::{Figure, FigureKind};
+use crate::parameter::{Absent, Kind, Parameter, Values, listed};
+
+/// A kind of figure as files name it.
+pub(crate) struct Form {
+    pub(crate) name: &'static str,
+    pub(crate) summary: &'static str,
+    pub(crate) parameters: &'static [Parameter],
+    /// Whether it shows something that only a known truth gives.
+    truth: bool,
+    /// Whether it shows something over replicates.
+    replicates: bool,
+    title: &'static str,
+}
+
+/// Every kind of figure.
+pub(crate) const FORMS: &[Form] = &[
+    Form {
+        name: "curves",
+        summary: "estimates of the first sample over the truth",
+        parameters: &[
+            Parameter::optional(
+                "show",
+                Kind::Choices(&["truth", "sample", "mean", "band", "rug"]),
+                Absent::Unset,
+                "what is drawn: the truth, the estimates of the first sample, their mean and their band of one standard deviation over replicates, the data; by default truth (where known) and sample",
+            ),
+            Parameter::optional(
+                "panels",
+                Kind::Flag,
+                Absent::Flag(false),
+                "one small panel an estimator instead of all in one",
+            ),
+        ],
+        truth: false,
+        replicates: false,
+        title: "Estimates",
+    },
+    Form {
+        name: "errors",
+        summary: "a measure of each estimator with its interval, beside the exact value",
+        parameters: &[Parameter::optional(
+            "measure",
+            Kind::Choice(&["mise", "miae", "mire"]),
+            Absent::Word("mise"),
+            "the measure",
+        )],
+        truth: true,
+        replicates: true,
+        title: "Errors",
+    },
+    Form {
+        name: "modes",
+        summary: "how many modes the estimates have over the replicates",
+        parameters: &[],
+        truth: false,
+        replicates: true,
+        title: "Number of modes",
+    },
+    Form {
+        name: "sweep",
+        summary: "MISE, bias² and variance against the swept parameter, simulated and exact",
+        parameters: &[
+            Parameter::required("of", Kind::Text, "the swept estimator"),
+            Parameter::optional(
+                "mark",
+                Kind::Choices(&[
+                    "h_mise",
+                    "h_amise",
+                    "silverman",
+                    "normal-reference",
+                    "scott",
+                ]),
+                Absent::Unset,
+                "vertical markers; none by default",
+            ),
+        ],
+        truth: true,
+        replicates: true,
+        title: "Error against smoothing",
+    },
+    Form {
+        name: "densities",
+        summary: "one small panel a source: truth and estimates of the first sample",
+        parameters: &[],
+        truth: true,
+        replicates: false,
+        title: "Densities",
+    },
+    Form {
+        name: "efficiency",
+        summary: "measured and theoretical efficiency of each kernel",
+        parameters: &[],
+        truth: true,
+        replicates: true,
+        title: "Efficiency",
+    },
+];
+
+/// Keys beside the kind.
+pub(crate) const COMMON: &[Parameter] = &[
+    Parameter::optional(
+        "title",
+        Kind::Text,
+        Absent::Unset,
+        "the title; made from the kind by default",
+    ),
+    Parameter::optional(
+        "caption",
+        Kind::Text,
+        Absent::Unset,
+        "what the reader should see in it",
+    ),
+    Parameter::optional(
+        "estimators",
+        Kind::Texts,
+        Absent::Unset,
+        "the estimators shown, a sweep standing for all of its members; all by default",
+    ),
+    Parameter::optional(
+        "draws",
+        Kind::Count {
+            least: 1,
+            most: super::DRAWS,
+        },
+        Absent::Unset,
+        "the sample size shown, one of the experiment's; its first by default",
+    ),
+];
+
+/// Reads one `[[figure]]`.
+pub(super) fn figure(
+    reader: &mut Reader,
+    mut table: Table<'_>,
+    setting: &Setting<'_>,
+) -> Option<Figure> {
+    let span = table.span.clone();
+    let title = table.take("title");
+    let title = title.map(|entry| reader.name(entry.item, "the title of a figure"));
+    let caption = table.take("caption");
+    let caption = caption.map(|entry| reader.text(entry.item, "`caption`").map(str::to_owned));
+    let shown = table.take("estimators");
+    let estimators = shown.and_then(|entry| {
+        let texts = value::texts(reader, entry.item, "`estimators`")?;
+        let mut all = Vec::new();
+        for (name, span) in texts {
+            for member in setting.names.many(reader, &name, &span) {
+                if !all.contains(&member) {
+                    all.push(member);
+                }
+            }
+        }
+        Some(all)
+    });
+    let draws = table.take("draws");
+    let draws = draws.and_then(|entry| setting.draws(reader, entry.item));
+    let (form, entry) = kind(reader, table, &span)?;
+    setting.demand(
+        reader,
+        &entry.key_span(),
+        &format!("the figure `{}`", form.name),
+        form.truth,
+        form.replicates,
+    );
+    let mut settings = reader.table(entry.item, &format!("`{}`", form.name))?;
+    settings.span = entry.key_span();
+    let located = value::values(
+        reader,
+        form.parameters,
+        settings,
+        &format!("`{}`", form.name),
+    );
+    if !located.complete {
+        return None;
+    }
+    let kind = resolve(reader, form.name, &located, setting)?;
+    Some(Figure {
+        title: match title {
+            Some(title) => title?,
+            None => made_title(form, &located.values),
+        },
+        caption: match caption {
+            Some(caption) => caption?,
+            None => String::new(),
+        },
+        estimators: estimators.unwrap_or_default(),
+        draws,
+        kind,
+    })
+}
+
+/// The one key that says what the figure is.
+fn kind<'d>(
+    reader: &mut Reader,
+    mut table: Table<'d>,
+    span: &Span,
+) -> Option<(&'static Form, Entry<'d>)> {
+    let mut given: Vec<(&'static Form, Entry<'d>)> = FORMS
+        .iter()
+        .filter_map(|form| Some((form, table.take(form.name)?)))
+        .collect();
+    given.sort_by_key(|(_, entry)| entry.key_span().start);
+    let kinds: Vec<&str> = FORMS.iter().map(|form| form.name).collect();
+    let allowed: Vec<&str> = COMMON
+        .iter()
+        .map(|parameter| parameter.name)
+        .chain(kinds.iter().copied())
+        .collect();
+    let unknown = table.finish_with(reader, &allowed, |key| {
+        let owner = FORMS
+            .iter()
+            .find(|form| form.parameters.iter().any(|p| p.name == key))?;
+        Some(format!(
+            "it belongs to the kind of figure: {} = {{ {key} = .. }}",
+            owner.name
+        ))
+    });
+    match given[..] {
+        [one] => (!unknown).then_some(one),
+        [] => {
+            if !unknown {
+                reader.report(
+                    Problem::at(span.clone(), "this figure has no kind")
+                        .allowed(listed(&kinds))
+                        .help("for instance: curves = { show = [\"truth\", \"sample\"] }")
+                        .doubtful(),
+                );
+            }
+            None
+        }
+        [(first, _), (_, second), ..] => {
+            reader.report(
+                Problem::at(
+                    second.key_span(),
+                    format!("this figure shows `{}` already", first.name),
+                )
+                .help(format!("give `{}` a [[figure]] of its own", second.key())),
+            );
+            None
+        }
+    }
+}
+
+fn resolve(
+    reader: &mut Reader,
+    kind: &str,
+    located: &Located,
+    setting: &Setting<'_>,
+) -> Option<FigureKind> {
+    let values = &located.values;
+    match kind {
+        "curves" => {
+            let mut show = values.words("show").to_vec();
+            if !located.given("show") {
+                if setting.truth != Some(false) {
+                    show.push("truth".to_owned());
+                }
+                show.push("sample".to_owned());
+            } else if show.is_empty() {
+                reader.report(
+                    Problem::at(located.place("show"), "`show` is an empty list")
+                        .allowed("at least one of `truth`, `sample`, `mean`, `band`, `rug`"),
+                );
+                return None;
+            }
+            if located.given("show") {
+                for word in &show {
+                    setting.demand(
+                        reader,
+                        &located.place("show"),
+                        &format!("`{word}`"),
+                        word == "truth",
+                        word == "mean" || word == "band",
+                    );
+                }
+            }
+            Some(FigureKind::Curves {
+                show,
+                panels: values.flag("panels").unwrap_or(false),
+            })
+        }
+        "errors" => Some(FigureKind::Errors {
+            measure: values.word("measure")?.to_owned(),
+        }),
+        "modes" => Some(FigureKind::Modes {}),
+        "sweep" => {
+            let of = values.word("of")?;
+            setting
+                .names
+                .sweep(reader, of, &located.place("of"))
+                .then(|| FigureKind::Sweep {
+                    of: of.to_owned(),
+                    mark: values.words("mark").to_vec(),
+                })
+        }
+        "densities" => Some(FigureKind::Densities {}),
+        "efficiency" => Some(FigureKind::Efficiency {}),
+        _ => None,
+    }
+}
+
+fn made_title(form: &Form, values: &Values) -> String {
+    match (form.name, values.word("measure"), values.word("of")) {
+        ("errors", Some(measure), _) => format!("Errors: {}", measure.to_uppercase()),
+        ("sweep", _, Some(of)) => format!("{} of {of}", form.title),
+        _ => form.title.to_owned(),
+    }
+}

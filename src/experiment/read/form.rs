@@ -1,0 +1,169 @@
+//! The forms of a claim: what each takes.
+
+use crate::kernel::Shape;
+use crate::parameter::{Absent, Kind, Parameter};
+
+const OF: Parameter = Parameter::required("of", Kind::Text, "the estimator");
+const CONFIDENCE: Parameter = Parameter::optional(
+    "confidence",
+    Kind::Between(0.5, 1.0),
+    Absent::Number(0.99),
+    "the confidence of the interval",
+);
+const MARGIN: Parameter = Parameter::optional(
+    "margin",
+    Kind::Positive,
+    Absent::Unset,
+    "how far off is still equal, in the unit of the measure",
+);
+
+/// A form of statement: the key that tells it from the others, and what it takes.
+pub(crate) struct Form {
+    pub(crate) key: &'static str,
+    pub(crate) parameters: &'static [Parameter],
+}
+
+/// The forms that any measure takes.
+pub(crate) const ANY: &[Form] = &[
+    Form {
+        key: "below",
+        parameters: &[
+            OF,
+            Parameter::required("below", Kind::Text, "the estimator that is worse"),
+            Parameter::optional(
+                "by",
+                Kind::Positive,
+                Absent::Number(1.0),
+                "at least by this factor",
+            ),
+            CONFIDENCE,
+        ],
+    },
+    Form {
+        key: "equals",
+        parameters: &[
+            OF,
+            Parameter::optional(
+                "over",
+                Kind::Text,
+                Absent::Unset,
+                "the estimator to divide by, or \"minimum\": the least MISE of any bandwidth (exact-mise only)",
+            ),
+            Parameter::required("equals", Kind::Real, "the expected value"),
+            Parameter::optional(
+                "within",
+                Kind::Positive,
+                Absent::Unset,
+                "how far off is still equal, as a share of the expected value",
+            ),
+            MARGIN,
+            CONFIDENCE,
+        ],
+    },
+    Form {
+        key: "agrees-with",
+        parameters: &[
+            Parameter::optional(
+                "of",
+                Kind::Texts,
+                Absent::Unset,
+                "the estimators; all by default",
+            ),
+            Parameter::required("agrees-with", Kind::Choice(&["exact"]), "the exact value"),
+            CONFIDENCE,
+        ],
+    },
+];
+
+/// The further forms of `modes`.
+pub(crate) const MODES: &[Form] = &[
+    Form {
+        key: "median",
+        parameters: &[
+            OF,
+            Parameter::required(
+                "median",
+                Kind::Positive,
+                "the expected median over the replicates",
+            ),
+        ],
+    },
+    Form {
+        key: "count",
+        parameters: &[
+            OF,
+            Parameter::required(
+                "count",
+                Kind::Count {
+                    least: 0,
+                    most: 1_000_000,
+                },
+                "how many modes",
+            ),
+            Parameter::required(
+                "share",
+                Kind::Fraction,
+                "the expected share of the replicates",
+            ),
+            Parameter::required("margin", Kind::Positive, "how far off is still equal"),
+        ],
+    },
+];
+
+/// `best`.
+pub(crate) const BEST: &[Parameter] = &[
+    Parameter::required("of", Kind::Text, "the swept estimator"),
+    Parameter::required("near", Kind::Choice(&["oracle"]), "the exact optimum"),
+    Parameter::required(
+        "within",
+        Kind::Positive,
+        "how near, as a share of the optimum",
+    ),
+];
+
+/// `oracle`.
+pub(crate) const ORACLE: &[Parameter] = &[
+    Parameter::required(
+        "quantity",
+        Kind::Choice(&["h_mise", "mise", "bias2", "variance", "h_amise", "amise"]),
+        "which figure of the theory",
+    ),
+    Parameter::optional(
+        "kernel",
+        Kind::Choice(&Shape::NAMES),
+        Absent::Word("gaussian"),
+        "the kernel",
+    ),
+    Parameter::required("equals", Kind::Real, "the expected value"),
+    Parameter::optional(
+        "digits",
+        Kind::Count { least: 1, most: 12 },
+        Absent::Number(4.0),
+        "how many significant digits must agree",
+    ),
+];
+
+/// Keys beside the statement.
+pub(crate) const COMMON: &[Parameter] = &[
+    Parameter::optional(
+        "says",
+        Kind::Text,
+        Absent::Unset,
+        "the claim in words; made from the statement by default",
+    ),
+    Parameter::optional(
+        "draws",
+        Kind::Count {
+            least: 1,
+            most: super::DRAWS,
+        },
+        Absent::Unset,
+        "the sample size it is about, one of the experiment's; each of them by default",
+    ),
+    Parameter::optional(
+        "source",
+        Kind::Text,
+        Absent::Unset,
+        "the source it is about; each of them by default",
+    ),
+];

@@ -1,0 +1,104 @@
+//! TOML text → checked experiment, or every problem of the text at once.
+//!
+//! Reading goes on after a problem: what can still be understood is checked too, so that one look at the messages mends the file. Each problem
+//! says where it is, what is allowed there and, where a word looks misspelt, what was probably meant.
+//!
+//! | file | what it reads |
+//! |---|---|
+//! | `document` | text → tables, problems of the syntax |
+//! | `node`, `value` | tables and values of the expected type |
+//! | `whole` | the experiment from its parts |
+//! | `source`, `estimator`, `figure`, `claim` | the parts |
+//! | `form`, `sweep` | what claims take; several values for one parameter |
+//! | `single` | one estimator outside of an experiment |
+//! | `names`, `setting` | what figures and claims refer to |
+//! | `problem` | what is wrong and where; written for people and for scripts |
+//!
+//! Nothing in a file is executed, and the only other files opened are the data files that it names.
+
+pub(crate) mod claim;
+mod document;
+pub(crate) mod estimator;
+pub(crate) mod figure;
+pub(crate) mod form;
+mod names;
+mod node;
+mod problem;
+mod setting;
+mod single;
+mod source;
+pub(crate) mod sweep;
+mod value;
+pub(crate) mod whole;
+
+pub use problem::{Problem, Problems, Span};
+
+use super::{EstimatorSpec, Experiment};
+use crate::estimator::{Context, Estimator};
+use node::Reader;
+use std::path::Path;
+
+/// The largest experiment file, in bytes.
+pub const LARGEST: usize = 8 << 20;
+/// The largest sample.
+pub const DRAWS: u64 = 1_000_000_000;
+/// The most samples of each size.
+pub const REPLICATES: u64 = 10_000_000;
+/// The most cells of a grid.
+pub const CELLS: u64 = 10_000_000;
+/// The most estimators, sweeps expanded.
+pub const ESTIMATORS: usize = 10_000;
+/// The most figures, and the most claims.
+pub const FIGURES: usize = 100;
+/// The most claims.
+pub const CLAIMS: usize = 1000;
+/// Cells of a grid that gives only its ends.
+pub const DEFAULT_CELLS: usize = 512;
+
+/// Reads the experiment in the file at `path`; `-` is the standard input.
+///
+/// # Errors
+/// With everything that is wrong. [`Problems::is_input_output`] tells a file that could not be read from a wrong one.
+pub fn experiment(path: &Path) -> Result<Experiment, Problems> {
+    let text = document::text(path)?;
+    experiment_text(&text, path)
+}
+
+/// Reads the experiment `text`; paths in it are relative to the folder of `origin`, whose stem is the experiment's name.
+///
+/// # Errors
+/// With everything that is wrong.
+pub fn experiment_text(text: &str, origin: &Path) -> Result<Experiment, Problems> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut reader = Reader::default();
+    let (document, broken) = document::parse(text, &mut reader);
+    let experiment = whole::experiment(&mut reader, &document, text, origin);
+    let mut problems = reader.problems;
+    document::sift(&mut problems, text, &broken);
+    match experiment {
+        Some(experiment) if problems.is_empty() => Ok(experiment),
+        _ => Err(Problems::new(&origin.display().to_string(), text, problems)),
+    }
+}
+
+/// Reads one estimator from an inline table: `{ kernel = { bandwidth = 0.3 } }`, or without the outer braces. No sweeps.
+///
+/// # Errors
+/// With everything that is wrong, located in `text` under the name `origin`.
+pub fn estimator(text: &str, origin: &str) -> Result<EstimatorSpec, Problems> {
+    single::estimator(text, origin, None).map(|(spec, _)| spec)
+}
+
+/// Reads one estimator and builds it, so that settings that do not go together are located too.
+///
+/// # Errors
+/// As [`estimator`], and if it cannot be built in `context`.
+pub fn estimator_in(
+    text: &str,
+    origin: &str,
+    context: &Context,
+) -> Result<(EstimatorSpec, Box<dyn Estimator<1>>), Problems> {
+    let (spec, built) = single::estimator(text, origin, Some(context))?;
+    let built = built.ok_or_else(|| Problems::whole(origin, "the estimator was not built"))?;
+    Ok((spec, built))
+}

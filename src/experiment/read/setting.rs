@@ -1,0 +1,97 @@
+//! What figures and claims are checked against.
+
+use super::DRAWS;
+use super::names::Names;
+use super::node::{Item, Reader};
+use super::problem::{Problem, Span, printable};
+use crate::parameter::{listed, nearest};
+
+/// The rest of the experiment; `None` where the file is wrong about it and nothing can be said.
+pub(super) struct Setting<'s> {
+    pub(super) names: &'s Names,
+    pub(super) sources: Option<Vec<&'s str>>,
+    pub(super) draws: Option<&'s [usize]>,
+    pub(super) replicates: Option<usize>,
+    /// Whether the truth is known.
+    pub(super) truth: Option<bool>,
+}
+
+impl Setting<'_> {
+    /// Reports if `what` needs a truth, or more than one replicate, and there is none.
+    pub(super) fn demand(
+        &self,
+        reader: &mut Reader,
+        span: &Span,
+        what: &str,
+        truth: bool,
+        replicates: bool,
+    ) -> bool {
+        if truth && self.truth == Some(false) {
+            reader.report(
+                Problem::at(
+                    span.clone(),
+                    format!("{what} needs a known truth, and the source is a data file"),
+                )
+                .help("without a truth: `modes`, `smoothing` and `energy`"),
+            );
+            return false;
+        }
+        if replicates && self.replicates.is_some_and(|r| r < 2) {
+            let help = if self.truth == Some(false) {
+                "a data file is one sample"
+            } else {
+                "set `replicates`, for instance to 400"
+            };
+            reader.report(
+                Problem::at(
+                    span.clone(),
+                    format!("{what} needs at least 2 replicates, and there is 1"),
+                )
+                .help(help),
+            );
+            return false;
+        }
+        true
+    }
+
+    /// One of the experiment's sample sizes.
+    pub(super) fn draws(&self, reader: &mut Reader, item: &Item<'_>) -> Option<usize> {
+        let n = reader.count(item, "`draws`", 1, DRAWS)? as usize;
+        let Some(draws) = self.draws else {
+            return Some(n);
+        };
+        if draws.contains(&n) {
+            return Some(n);
+        }
+        let known: Vec<String> = draws.iter().map(usize::to_string).collect();
+        let problem = Problem::at(
+            item.span(),
+            format!("{n} is not one of the experiment's sample sizes"),
+        );
+        reader.report(if known.is_empty() {
+            problem.help("a data file has a size of its own")
+        } else {
+            problem.allowed(known.join(", "))
+        });
+        None
+    }
+
+    /// One of the experiment's sources.
+    pub(super) fn source(&self, reader: &mut Reader, item: &Item<'_>) -> Option<String> {
+        let name = reader.text(item, "`source`")?;
+        if let Some(sources) = &self.sources
+            && !sources.contains(&name)
+        {
+            reader.report(
+                Problem::at(
+                    item.span(),
+                    format!("there is no source \"{}\"", printable(name)),
+                )
+                .suggest(nearest(name, sources.iter().copied()))
+                .allowed(listed(sources)),
+            );
+            return None;
+        }
+        Some(name.to_owned())
+    }
+}

@@ -1,0 +1,76 @@
+//! One estimator outside of an experiment.
+
+use super::estimator as group;
+use super::node::{Reader, Table};
+use super::problem::{Problem, Problems};
+use super::{document, whole::try_to_build};
+use crate::estimator::{Context, Estimator};
+use crate::experiment::EstimatorSpec;
+
+/// A value needs a key to be a document; spans are moved back afterwards.
+const KEY: &str = "estimator=";
+
+pub(super) type Single = (EstimatorSpec, Option<Box<dyn Estimator<1>>>);
+
+/// Reads one estimator, and builds it if there is a context.
+pub(super) fn estimator(
+    text: &str,
+    origin: &str,
+    context: Option<&Context>,
+) -> Result<Single, Problems> {
+    let mut reader = Reader::default();
+    let inline = text.trim_start().starts_with('{');
+    let wrapped = if inline {
+        format!("{KEY}{text}")
+    } else {
+        text.to_owned()
+    };
+    let shift = if inline { KEY.len() } else { 0 };
+    let (document, broken) = document::parse(&wrapped, &mut reader);
+    let mut top = Table::new(document.get_ref(), shift..wrapped.len(), "the text");
+    let table = if inline {
+        top.take("estimator")
+            .and_then(|entry| reader.table(entry.item, "an estimator"))
+    } else {
+        Some(Table::new(
+            document.get_ref(),
+            0..wrapped.len(),
+            "an estimator",
+        ))
+    };
+    let group = table.and_then(|table| group::group(&mut reader, table).1);
+    let mut found = None;
+    if let Some(group) = &group {
+        if group.swept {
+            reader.report(Problem::at(
+                group.places.first().map_or(0..0, Clone::clone),
+                "a sweep makes many estimators; one is wanted here",
+            ));
+        } else if let [spec] = &group.members[..] {
+            found = Some((spec.clone(), None));
+            if let Some(context) = context {
+                match try_to_build(spec, context) {
+                    Ok(built) => found = Some((spec.clone(), Some(built))),
+                    Err(error) => reader.report(Problem::at(
+                        group.located.place(error.parameter),
+                        error.what,
+                    )),
+                }
+            }
+        }
+    }
+    let mut problems = reader.problems;
+    document::sift(&mut problems, &wrapped, &broken);
+    for problem in &mut problems {
+        problem.span.start = problem.span.start.saturating_sub(shift);
+        problem.span.end = problem.span.end.saturating_sub(shift);
+    }
+    match found {
+        Some(found) if problems.is_empty() => Ok(found),
+        _ if problems.is_empty() => Err(Problems::whole(
+            origin,
+            "an estimator is written { KIND = { settings } }, for instance { kernel = { bandwidth = 0.3 } }",
+        )),
+        _ => Err(Problems::new(origin, text, problems)),
+    }
+}

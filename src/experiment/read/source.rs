@@ -1,0 +1,376 @@
+//! `source`: known densities or a data file.
+
+use super::node::{Entry, Item, Reader, Table, found};
+use super::problem::{Problem, Span, printable};
+use super::value;
+use crate::density::{self, Univariate};
+use crate::experiment::SourceSpec;
+use crate::parameter::{Values, listed, nearest};
+use crate::sample::Sample;
+use crate::sample::file::{self, Column, Request};
+use crate::space::{Domain, Side};
+use std::path::Path;
+use std::sync::Arc;
+use toml::de::DeValue;
+
+/// A source with what the checks of the rest need to know of it.
+pub(super) struct Read {
+    pub(super) spec: SourceSpec,
+    pub(super) truth: Option<Arc<dyn Univariate>>,
+    /// The data of a file.
+    pub(super) sample: Option<Sample<1>>,
+    pub(super) span: Span,
+}
+
+const FORMS: &str = "{ density = \"NAME\" }, { density = { KIND = { .. } } }, { density = [ .. ] } or { file = \"PATH\", columns = [\"NAME\"] }";
+
+/// Reads `source`; what is wrong has been reported when the list is shorter than the file's.
+pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> Option<Vec<Read>> {
+    if let DeValue::String(text) = entry.item.get_ref() {
+        let help = if density::names().any(|name| name == text) {
+            format!("write source = {{ density = \"{text}\" }}")
+        } else {
+            "name a density or a file".to_owned()
+        };
+        reader.report(
+            Problem::at(entry.item.span(), "`source` must be a table, not a text")
+                .help(help)
+                .allowed(FORMS),
+        );
+        return None;
+    }
+    let mut table = reader.table(entry.item, "`source`")?;
+    let density = table.take("density");
+    let file = table.take("file");
+    match (density, file) {
+        (Some(entry), None) => {
+            let unknown = table.finish(reader, &["density"]);
+            let read = densities(reader, entry.item)?;
+            (!unknown).then_some(read)
+        }
+        (None, Some(entry)) => data(reader, entry, table, folder).map(|read| vec![read]),
+        (Some(_), Some(file)) => {
+            reader.report(
+                Problem::at(file.key_span(), "`source` is a density already")
+                    .allowed(FORMS)
+                    .help("one experiment for the density, one for the file"),
+            );
+            None
+        }
+        (None, None) => {
+            let span = table.span.clone();
+            if !table.finish(reader, &["density", "file"]) {
+                reader.report(
+                    Problem::at(span, "`source` names neither a density nor a file").allowed(FORMS),
+                );
+            }
+            None
+        }
+    }
+}
+
+fn densities(reader: &mut Reader, item: &Item<'_>) -> Option<Vec<Read>> {
+    let DeValue::Array(list) = item.get_ref() else {
+        return Some(vec![one(reader, item)?]);
+    };
+    if list.is_empty() {
+        reader.report(
+            Problem::at(item.span(), "`density` is an empty list").allowed("at least one density"),
+        );
+        return None;
+    }
+    let read: Vec<Option<Read>> = list.iter().map(|item| one(reader, item)).collect();
+    let read: Vec<Read> = read.into_iter().collect::<Option<_>>()?;
+    let mut sound = true;
+    for (at, source) in read.iter().enumerate() {
+        if read[..at]
+            .iter()
+            .any(|other| other.spec.name() == source.spec.name())
+        {
+            sound = false;
+            reader.report(
+                Problem::at(
+                    source.span.clone(),
+                    format!("there is a source \"{}\" already", source.spec.name()),
+                )
+                .help("tell them apart: { name = \"..\", KIND = { .. } }"),
+            );
+        }
+    }
+    sound.then_some(read)
+}
+
+/// One density: a name, or `{ KIND = { parameters }, name = ".." }`.
+fn one(reader: &mut Reader, item: &Item<'_>) -> Option<Read> {
+    match item.get_ref() {
+        DeValue::String(text) => {
+            let Some(entry) = density::entry(text) else {
+                reader.report(unknown(text, item.span()));
+                return None;
+            };
+            if !entry.stands_alone() {
+                let needed: Vec<String> = entry
+                    .parameters
+                    .iter()
+                    .map(|parameter| format!("{} = ..", parameter.name))
+                    .collect();
+                reader.report(
+                    Problem::at(
+                        item.span(),
+                        format!("the density \"{text}\" needs parameters"),
+                    )
+                    .help(format!(
+                        "write density = {{ {text} = {{ {} }} }}",
+                        needed.join(", ")
+                    )),
+                );
+                return None;
+            }
+            let values = Values::defaults(entry.parameters);
+            build(reader, entry, text, values, |_| item.span(), item.span())
+        }
+        DeValue::Table(_) => {
+            let mut table = reader.table(item, "`density`")?;
+            let name = match table.take("name") {
+                Some(entry) => Some(reader.name(entry.item, "the name of a source")?),
+                None => None,
+            };
+            let span = table.span.clone();
+            let left = table.left();
+            if left.len() > 1 {
+                reader.report(
+                    Problem::at(left[1].key_span(), "one kind of density a table")
+                        .help("several densities stand in a list: density = [{ .. }, { .. }]"),
+                );
+                return None;
+            }
+            let Some(&kind) = left.first() else {
+                reader.report(
+                    Problem::at(span, "this table names no kind of density")
+                        .allowed(printed_names()),
+                );
+                return None;
+            };
+            let Some(entry) = density::entry(kind.key()) else {
+                reader.report(unknown(kind.key(), kind.key_span()));
+                return None;
+            };
+            let mut settings = reader.table(kind.item, &format!("`{}`", kind.key()))?;
+            settings.span = kind.key_span();
+            let read = value::values(
+                reader,
+                entry.parameters,
+                settings,
+                &format!("`{}`", kind.key()),
+            );
+            if !read.complete {
+                return None;
+            }
+            let name = name.unwrap_or_else(|| kind.key().to_owned());
+            let place = |parameter: &str| read.place(parameter);
+            build(
+                reader,
+                entry,
+                &name,
+                read.values.clone(),
+                place,
+                item.span(),
+            )
+        }
+        _ => {
+            reader.report(
+                Problem::at(
+                    item.span(),
+                    format!(
+                        "a density must be a name or a table {{ KIND = {{ .. }} }}, not {}",
+                        found(item)
+                    ),
+                )
+                .allowed(FORMS),
+            );
+            None
+        }
+    }
+}
+
+fn unknown(name: &str, span: Span) -> Problem {
+    Problem::at(span, format!("there is no density \"{}\"", printable(name)))
+        .suggest(nearest(name, density::names()))
+        .allowed(printed_names())
+}
+
+/// The densities, each by the name that is printed.
+fn printed_names() -> String {
+    let names: Vec<&str> = density::entries().map(|entry| entry.names[0]).collect();
+    listed(&names)
+}
+
+fn build(
+    reader: &mut Reader,
+    entry: &'static density::Entry,
+    name: &str,
+    values: Values,
+    place: impl Fn(&str) -> Span,
+    span: Span,
+) -> Option<Read> {
+    match (entry.build)(&values) {
+        Ok(truth) => Some(Read {
+            spec: SourceSpec::Density {
+                name: name.to_owned(),
+                kind: entry.names[0].to_owned(),
+                values,
+            },
+            truth: Some(truth),
+            sample: None,
+            span,
+        }),
+        Err(error) => {
+            reader.report(Problem::at(place(error.parameter), error.what));
+            None
+        }
+    }
+}
+
+/// `{ file = .., columns = [..], weight = .., domain = [low, high] }`; `table` holds what comes beside `file`.
+fn data(
+    reader: &mut Reader,
+    entry: Entry<'_>,
+    mut table: Table<'_>,
+    folder: &Path,
+) -> Option<Read> {
+    let path = reader.text(entry.item, "`file`").map(str::to_owned);
+    let name = table
+        .take("name")
+        .map(|entry| reader.name(entry.item, "the name of a source"));
+    let columns = table.need(reader, "columns", "for instance: columns = [\"minutes\"]");
+    let column = columns.and_then(|entry| {
+        let list = value::texts(reader, entry.item, "`columns`")?;
+        if let [(column, span)] = &list[..] {
+            return Some((column.clone(), span.clone()));
+        }
+        reader.report(
+            Problem::at(
+                entry.item.span(),
+                format!("{} columns: these estimators work on a line", list.len()),
+            )
+            .allowed("one column"),
+        );
+        None
+    });
+    let weight = match table.take("weight") {
+        Some(entry) => {
+            let text = reader.text(entry.item, "`weight`").map(str::to_owned);
+            Some((text?, entry.item.span()))
+        }
+        None => None,
+    };
+    let domain_entry = table.take("domain");
+    let domain = match domain_entry {
+        Some(entry) => Some(domain(reader, entry.item)?),
+        None => None,
+    };
+    if table.finish(reader, &["file", "columns", "weight", "domain", "name"]) {
+        return None;
+    }
+    let (path, (column, column_span)) = (folder.join(path?), column?);
+    let name = match name {
+        Some(name) => name?,
+        None => path.file_stem()?.to_string_lossy().into_owned(),
+    };
+    let limits = domain.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let whole = Domain::new([limits[0]], [limits[1]], [limits.map(side)]).ok()?;
+    let request = Request {
+        columns: [Column::Named(&column)],
+        weight: weight.as_ref().map(|(text, _)| text.as_str()),
+        domain: whole,
+    };
+    let place = entry.item.span();
+    let read = hash(&path)
+        .map_err(|error| {
+            (
+                place.clone(),
+                format!("cannot read {}: {error}", path.display()),
+            )
+        })
+        .and_then(|hash| match file::read(&path, &request) {
+            Ok(sample) => Ok((hash, sample)),
+            Err(error) => Err((column_span, error.to_string())),
+        });
+    match read {
+        Ok((hash, sample)) => Some(Read {
+            spec: SourceSpec::File {
+                name,
+                path,
+                column,
+                weight: weight.map(|(text, _)| text),
+                domain,
+                hash,
+            },
+            truth: None,
+            sample: Some(sample),
+            span: place,
+        }),
+        Err((span, what)) => {
+            reader.report(Problem::at(span, what));
+            None
+        }
+    }
+}
+
+/// A density stops at a finite limit and goes on at an infinite one.
+fn side(limit: f64) -> Side {
+    if limit.is_finite() {
+        Side::Wall
+    } else {
+        Side::Open
+    }
+}
+
+fn domain(reader: &mut Reader, item: &Item<'_>) -> Option<[f64; 2]> {
+    const EXPECTED: &str = "[low, high] with low < high, -inf and inf where there is no wall";
+    let DeValue::Array(list) = item.get_ref() else {
+        reader.wrong_type(item, "`domain`", EXPECTED);
+        return None;
+    };
+    let [low, high] = &list[..] else {
+        reader.report(
+            Problem::at(
+                item.span(),
+                format!("`domain` must be two numbers, not {}", list.len()),
+            )
+            .allowed(EXPECTED),
+        );
+        return None;
+    };
+    let low = reader.number(low, "the lower end of `domain`", "a number or -inf");
+    let high = reader.number(high, "the upper end of `domain`", "a number or inf");
+    let (low, high) = (low?.real(), high?.real());
+    if low.is_nan() || high.is_nan() || low >= high {
+        reader.report(
+            Problem::at(
+                item.span(),
+                format!("`domain` must have low < high; it has {low} and {high}"),
+            )
+            .allowed(EXPECTED),
+        );
+        return None;
+    }
+    Some([low, high])
+}
+
+/// The BLAKE3 hash of the file's bytes.
+fn hash(path: &Path) -> std::io::Result<String> {
+    let data = std::fs::metadata(path)?;
+    if !data.is_file() {
+        // A device may never end.
+        let what = if data.is_dir() {
+            "it is a folder"
+        } else {
+            "it is not a regular file"
+        };
+        return Err(std::io::Error::other(what));
+    }
+    let mut hasher = blake3::Hasher::new();
+    std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}

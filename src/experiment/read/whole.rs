@@ -1,0 +1,431 @@
+//! The experiment from its parts.
+
+use super::estimator::{self, Group};
+use super::names::Names;
+use super::node::{Entry, Item, Reader, Table};
+use super::problem::{Problem, printable};
+use super::setting::Setting;
+use super::{CELLS, CLAIMS, DEFAULT_CELLS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
+use super::{claim, figure, source, value};
+use crate::estimator::Context;
+use crate::experiment::budget::{self, Part};
+use crate::experiment::catalogue::{self, Built};
+use crate::experiment::{EstimatorSpec, Experiment, GridSpec};
+use crate::parameter::{Absent, Kind, Parameter};
+use crate::space::{Grid, GridError};
+use std::collections::BTreeSet;
+use std::path::Path;
+use toml::de::DeValue;
+
+/// The keys of the top level with what they mean.
+pub(crate) const KEYS: &[(&str, &str)] = &[
+    ("question", "the question that the experiment answers"),
+    (
+        "notes",
+        "what the reader should know before the answer; paragraphs separated by empty lines",
+    ),
+    ("seed", "the seed of all random streams; 1 by default"),
+    ("source", "where samples come from"),
+    (
+        "draws",
+        "the sample size n, or a list of them; for densities only",
+    ),
+    ("replicates", "how many samples of each size; 1 by default"),
+    (
+        "grid",
+        "where estimates are evaluated and errors integrated; chosen from the source by default",
+    ),
+    (
+        "estimator",
+        "what is compared: a name and one kind with its settings",
+    ),
+    ("figure", "what to draw"),
+    ("claim", "what the run must show"),
+];
+
+/// What comes before the estimators; `None` for what is wrong, which has been reported.
+struct Head<'d> {
+    question: Option<String>,
+    notes: Option<String>,
+    seed: Option<u64>,
+    sources: Option<Vec<source::Read>>,
+    /// Whether the truth is known. Known even of a faulty source, so that nobody is asked for the draws of a file.
+    truth: Option<bool>,
+    draws: Option<Vec<usize>>,
+    replicates: Option<usize>,
+    grid: Option<GridSpec>,
+    /// Where the numbers stand that decide what the run needs.
+    draws_entry: Option<Entry<'d>>,
+    replicates_entry: Option<Entry<'d>>,
+    grid_entry: Option<Entry<'d>>,
+}
+
+fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d> {
+    let question = top
+        .need(
+            reader,
+            "question",
+            "an experiment answers a question: question = \"..\"",
+        )
+        .and_then(|entry| reader.words(entry.item, "`question`", 2000));
+    let notes = match top.take("notes") {
+        Some(entry) => reader.prose(entry.item, "`notes`", 100_000),
+        None => Some(String::new()),
+    };
+    let seed = match top.take("seed") {
+        Some(entry) => reader.count(entry.item, "`seed`", 0, i64::MAX as u64),
+        None => Some(1),
+    };
+    let source = top.need(
+        reader,
+        "source",
+        "for instance: source = { density = \"bimodal\" }",
+    );
+    let sources = source.and_then(|entry| source::sources(reader, entry, folder));
+    let truth = source.and_then(|entry| {
+        let table = entry.item.get_ref().as_table()?;
+        match (table.contains_key("density"), table.contains_key("file")) {
+            (true, false) => Some(true),
+            (false, true) => Some(false),
+            _ => None,
+        }
+    });
+    let draws_entry = top.take("draws");
+    let draws = draws(reader, top, draws_entry, truth);
+    let replicates_entry = top.take("replicates");
+    let replicates = match replicates_entry {
+        Some(entry) => reader
+            .count(entry.item, "`replicates`", 1, REPLICATES)
+            .map(|r| r as usize),
+        None => Some(1),
+    };
+    if let (Some(entry), Some(false), Some(2..)) = (replicates_entry, truth, replicates) {
+        reader.report(
+            Problem::at(
+                entry.item.span(),
+                "a data file is one sample: it has no replicates",
+            )
+            .help("leave `replicates` out"),
+        );
+    }
+    let grid_entry = top.take("grid");
+    let grid = grid_entry.and_then(|entry| grid(reader, entry.item));
+    Head {
+        question,
+        notes,
+        seed,
+        sources,
+        truth,
+        draws,
+        replicates,
+        grid,
+        draws_entry,
+        replicates_entry,
+        grid_entry,
+    }
+}
+
+/// Reads all of the document; `None` if anything of the result is missing, which has then been reported.
+pub(super) fn experiment(
+    reader: &mut Reader,
+    document: &toml::Spanned<toml::de::DeTable<'_>>,
+    text: &str,
+    origin: &Path,
+) -> Option<Experiment> {
+    let mut top = Table::new(document.get_ref(), 0..0, "the experiment");
+    let folder = origin.parent().unwrap_or(Path::new(""));
+    let head = head(reader, &mut top, folder);
+    let (groups, names) = estimators(reader, &mut top);
+    let setting = Setting {
+        names: &names,
+        sources: head
+            .sources
+            .as_ref()
+            .map(|sources| sources.iter().map(|read| read.spec.name()).collect()),
+        draws: head.draws.as_deref(),
+        replicates: head.replicates,
+        truth: head.truth,
+    };
+    let figures = parts(reader, &mut top, "figure", FIGURES, |reader, table| {
+        figure::figure(reader, table, &setting)
+    });
+    let claims = parts(reader, &mut top, "claim", CLAIMS, |reader, table| {
+        let before = &text[..table.span.start.min(text.len())];
+        let line = before.matches('\n').count() + 1;
+        claim::claim(reader, table, &setting, line)
+    });
+    let allowed: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
+    top.finish(reader, &allowed);
+    if let (Some(sources), Some(draws)) = (&head.sources, &head.draws) {
+        try_building(reader, &groups, sources, draws);
+    }
+    let experiment = Experiment {
+        name: origin
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned())
+            .filter(|stem| stem != "-" && !stem.is_empty())
+            .unwrap_or_else(|| "experiment".to_owned()),
+        question: head.question?,
+        notes: head.notes?,
+        seed: head.seed?,
+        sources: head.sources?.into_iter().map(|read| read.spec).collect(),
+        draws: head.draws?,
+        replicates: head.replicates?,
+        grid: head.grid,
+        estimators: groups.into_iter().flat_map(|group| group.members).collect(),
+        figures: figures?,
+        claims: claims?,
+    };
+    if reader.problems.is_empty() {
+        let budget = budget::budget(&experiment);
+        if let Err(refusal) = budget.check(crate::memory::available()) {
+            let entry = match refusal.part {
+                Part::Draws => head.draws_entry,
+                Part::Replicates => head.replicates_entry,
+                Part::Grid => head.grid_entry,
+            };
+            let span = entry.map_or(0..0, |entry| entry.item.span());
+            reader.report(Problem::at(span, refusal.what));
+        }
+    }
+    Some(experiment)
+}
+
+fn draws(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    entry: Option<Entry<'_>>,
+    truth: Option<bool>,
+) -> Option<Vec<usize>> {
+    let Some(entry) = entry else {
+        if truth == Some(true) {
+            reader.report(
+                Problem::at(
+                    top.span.clone(),
+                    "the experiment needs `draws`: the sample size",
+                )
+                .help("for instance: draws = 200, or draws = [100, 1000, 10000]")
+                .doubtful(),
+            );
+            return None;
+        }
+        return Some(Vec::new());
+    };
+    if truth == Some(false) {
+        reader.report(
+            Problem::at(
+                entry.key_span(),
+                "a data file has a size of its own: `draws` is for densities",
+            )
+            .help("leave `draws` out"),
+        );
+        return None;
+    }
+    let DeValue::Array(list) = entry.item.get_ref() else {
+        return reader
+            .count(entry.item, "`draws`", 1, DRAWS)
+            .map(|n| vec![n as usize]);
+    };
+    if list.is_empty() {
+        reader.report(
+            Problem::at(entry.item.span(), "`draws` is an empty list")
+                .allowed("at least one sample size"),
+        );
+        return None;
+    }
+    let mut read = Vec::new();
+    let mut sound = true;
+    for item in list {
+        match reader.count(item, "each of `draws`", 1, DRAWS) {
+            Some(n) if read.contains(&(n as usize)) => {
+                reader.report(Problem::at(
+                    item.span(),
+                    format!("the sample size {n} is in the list twice"),
+                ));
+                sound = false;
+            }
+            Some(n) => read.push(n as usize),
+            None => sound = false,
+        }
+    }
+    sound.then_some(read)
+}
+
+fn grid(reader: &mut Reader, item: &Item<'_>) -> Option<GridSpec> {
+    let table = reader.table(item, "`grid`")?;
+    let read = value::values(reader, GRID, table, "`grid`");
+    if !read.complete {
+        return None;
+    }
+    let spec = GridSpec {
+        low: read.values.number("low")?,
+        high: read.values.number("high")?,
+        cells: read.values.count("cells")? as usize,
+    };
+    if let Err(error) = Grid::new([spec.low], [spec.high], [spec.cells]) {
+        let place = match error {
+            GridError::Bounds { .. } => "high",
+            _ => "cells",
+        };
+        reader.report(Problem::at(read.place(place), error.to_string()));
+        return None;
+    }
+    Some(spec)
+}
+
+/// `grid`.
+pub(crate) const GRID: &[Parameter] = &[
+    Parameter::required("low", Kind::Real, "the lower end"),
+    Parameter::required("high", Kind::Real, "the upper end"),
+    Parameter::optional(
+        "cells",
+        Kind::Count {
+            least: 1,
+            most: CELLS,
+        },
+        Absent::Number(DEFAULT_CELLS as f64),
+        "how many cells",
+    ),
+];
+
+fn estimators(reader: &mut Reader, top: &mut Table<'_>) -> (Vec<Group>, Names) {
+    let mut names = Names::default();
+    let mut groups: Vec<Group> = Vec::new();
+    let Some(entry) = top.take("estimator") else {
+        reader.report(
+            Problem::at(top.span.clone(), "the experiment compares no estimators")
+                .help("for instance: [[estimator]] and below it kernel = { bandwidth = 0.3 }")
+                .doubtful(),
+        );
+        names.doubt();
+        return (groups, names);
+    };
+    let tables = reader.tables(entry, "an estimator");
+    if tables.is_empty() {
+        names.doubt();
+        if reader.problems.is_empty() {
+            reader.report(Problem::at(
+                entry.item.span(),
+                "the list of estimators is empty",
+            ));
+        }
+    }
+    let mut seen: BTreeSet<String> = BTreeSet::new();
+    let mut all = 0;
+    for table in tables {
+        let (given, group) = estimator::group(reader, table);
+        names.add(
+            given.as_ref().map(|(name, _)| name.as_str()),
+            group.as_ref(),
+        );
+        let span = match (&group, &given) {
+            (Some(group), _) => group.name_span.clone(),
+            (None, Some((_, span))) => span.clone(),
+            (None, None) => continue,
+        };
+        let label = group.as_ref().map(|group| &group.name);
+        let labels: BTreeSet<String> = label
+            .or(given.as_ref().map(|(name, _)| name))
+            .into_iter()
+            .chain(
+                group
+                    .iter()
+                    .flat_map(|group| group.members.iter().map(|m| &m.name)),
+            )
+            .cloned()
+            .collect();
+        if let Some(twice) = labels.iter().find(|name| seen.contains(*name)) {
+            reader.report(
+                Problem::at(
+                    span,
+                    format!("there is an estimator \"{}\" already", printable(twice)),
+                )
+                .help("give each a `name` of its own"),
+            );
+        }
+        seen.extend(labels);
+        let Some(group) = group else { continue };
+        all += group.members.len();
+        if all > ESTIMATORS {
+            reader.report(
+                Problem::at(
+                    group.name_span.clone(),
+                    format!("{all} estimators, sweeps expanded, are too many"),
+                )
+                .allowed(format!("at most {ESTIMATORS}")),
+            );
+            break;
+        }
+        groups.push(group);
+    }
+    (groups, names)
+}
+
+/// Reads `[[key]]`; `None` if any of them is wrong.
+fn parts<'d, T>(
+    reader: &mut Reader,
+    top: &mut Table<'d>,
+    key: &str,
+    most: usize,
+    mut read: impl FnMut(&mut Reader, Table<'d>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let Some(entry) = top.take(key) else {
+        return Some(Vec::new());
+    };
+    let tables = reader.tables(entry, &format!("a {key}"));
+    if tables.len() > most {
+        reader.report(
+            Problem::at(
+                tables[most].span.clone(),
+                format!("{} times [[{key}]] is too many", tables.len()),
+            )
+            .allowed(format!("at most {most}")),
+        );
+        return None;
+    }
+    let read: Vec<Option<T>> = tables
+        .into_iter()
+        .map(|table| read(reader, table))
+        .collect();
+    read.into_iter().collect()
+}
+
+/// Builds every estimator once for every source and size, so that nothing can fail later.
+fn try_building(reader: &mut Reader, groups: &[Group], sources: &[source::Read], draws: &[usize]) {
+    for source in sources {
+        let own;
+        let sizes = match &source.sample {
+            Some(sample) => {
+                own = [sample.len()];
+                &own[..]
+            }
+            None => draws,
+        };
+        for &draws in sizes {
+            let context = Context {
+                truth: source.truth.clone(),
+                draws,
+            };
+            for group in groups {
+                for (at, member) in group.members.iter().enumerate() {
+                    if let Err(error) = try_to_build(member, &context) {
+                        let span = match &member.sweep {
+                            Some(sweep) if sweep.parameter == error.parameter => {
+                                group.places[at].clone()
+                            }
+                            _ => group.located.place(error.parameter),
+                        };
+                        reader.report(Problem::at(span, error.what));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Builds an estimator.
+pub(super) fn try_to_build(spec: &EstimatorSpec, context: &Context) -> Built {
+    let entry = catalogue::estimator(&spec.kind)
+        .expect("specifications are made from entries of the catalogue");
+    (entry.build)(&spec.values, context)
+}
