@@ -270,18 +270,9 @@ fn settings(parameters: &[Parameter]) -> Vec<Setting> {
 
 fn takes(parameter: &Parameter) -> String {
     let one = match parameter.kind {
-        Kind::Real => "a finite number".to_owned(),
-        Kind::Positive => "a finite number above 0".to_owned(),
-        Kind::Fraction => "a number from 0 to 1".to_owned(),
-        Kind::Count { least, most } => format!("a whole number from {least} to {most}"),
         Kind::Choice(words) => words.join(" | "),
-        Kind::Text => "a text".to_owned(),
-        Kind::Flag => "true | false".to_owned(),
         Kind::PositiveOr(words) => format!("a finite number above 0 | {}", words.join(" | ")),
-        Kind::Rows(parameters) => {
-            let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
-            format!("a list of tables with {}", names.join(", "))
-        }
+        other => other.to_string(),
     };
     if parameter.sweeps {
         format!("{one}; a list for a sweep")
