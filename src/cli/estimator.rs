@@ -127,10 +127,8 @@ fn checked(kind: Kind, value: &toml::Value) -> Result<Value, String> {
             .as_bool()
             .map(Value::Flag)
             .ok_or("true or false".to_owned()),
-        Kind::Between(..)
-        | Kind::Choices(_)
-        | Kind::Text
-        | Kind::Texts
-        | Kind::Rows(_) => Err("not possible here".to_owned()),
+        Kind::Between(..) | Kind::Choices(_) | Kind::Text | Kind::Texts | Kind::Rows(_) => {
+            Err("not possible here".to_owned())
+        }
     }
 }
