@@ -97,7 +97,10 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
             }));
             values
         }
-        Kind::Text | Kind::Rows(_) => panic!("teach the suite what to try for {}", parameter.name),
+        Kind::Between(low, high) => numbers(&[low + 0.3 * (high - low), low + 0.9 * (high - low)]),
+        Kind::Text | Kind::Texts | Kind::Choices(_) | Kind::Rows(_) => {
+            panic!("teach the suite what to try for {}", parameter.name)
+        }
     }
 }
 
