@@ -23,7 +23,7 @@
 //! | [`density`] | known truths |
 //! | [`sample`] | weighted points on a domain, and where they come from |
 //! | [`kernel`] | the bump, its width, and the sum of bumps |
-//! | `theory` | exact expectations, errors and optima without simulation |
+//! | [`theory`] | exact expectations, errors and optima without simulation |
 //! | [`engine`] | computing that sum |
 //! | [`selector`] | sample → bandwidth |
 //! | [`boundary`] | walls |
@@ -48,3 +48,4 @@ pub mod sample;
 pub mod selector;
 pub mod space;
 pub mod storage;
+pub mod theory;

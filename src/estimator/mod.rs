@@ -14,6 +14,7 @@ mod shifted_histogram;
 mod width;
 
 pub use crate::parameter::BuildError;
+pub use crate::theory::Moments;
 pub use frequency_polygon::FrequencyPolygon;
 pub use histogram::Histogram;
 pub use kde::Kde;
@@ -127,15 +128,6 @@ impl<const D: usize> Field<D> for Estimate<D> {
         evaluation.warnings.extend(self.warnings.iter().cloned());
         evaluation
     }
-}
-
-/// Mean and variance of an estimate at one place, over samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moments {
-    /// E f̂(x).
-    pub mean: f64,
-    /// var f̂(x).
-    pub variance: f64,
 }
 
 /// A density estimator with all its settings.

@@ -1,11 +1,13 @@
 //! One-variable mathematics without data: sums, quadrature, minima, roots, special functions.
 
+mod chebyshev;
 mod minimise;
 mod quadrature;
 mod root;
 pub mod special;
 mod summation;
 
+pub use chebyshev::Piecewise;
 pub use minimise::{Minimum, local_minima, minimise};
 pub use quadrature::{GaussLegendre, panels};
 pub use root::root;

@@ -1,0 +1,40 @@
+//! The least of an error over the bandwidth, and every other low.
+
+use super::{Asymptotic, Integrated, NoAsymptotics};
+use crate::numeric::{Minimum, local_minima, minimise};
+
+/// The best bandwidth or width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimum {
+    /// Where the MISE is least.
+    pub at: f64,
+    /// Its parts there.
+    pub error: Integrated,
+    /// All other local minima of the MISE that lie 8 % apart or more, the lowest first: a search that starts near one of them would end there.
+    pub others: Vec<Minimum>,
+}
+
+/// All that theory has to say about one density, one estimator and one sample size, whatever the bandwidth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Oracle {
+    /// The bandwidth or width of least MISE.
+    pub optimum: Optimum,
+    /// The leading terms for large samples, or why there are none.
+    pub asymptotic: Result<Asymptotic, NoAsymptotics>,
+}
+
+/// Scans `error` on a ladder from `low` to `high` whose steps are 4 %, and refines each low.
+pub(super) fn search(error: impl Fn(f64) -> Integrated, low: f64, high: f64) -> Optimum {
+    let mise = |h: f64| error(h).mise();
+    let steps = ((high / low).ln() / 0.04).ceil().clamp(8.0, 4000.0) as usize;
+    let mut minima = local_minima(mise, low, high, steps);
+    if minima.is_empty() {
+        minima.push(minimise(mise, low, high, 1e-8));
+    }
+    let best = minima.remove(0);
+    Optimum {
+        at: best.at,
+        error: error(best.at),
+        others: minima,
+    }
+}

@@ -1,0 +1,91 @@
+//! Mean and variance of a kernel estimate at one place.
+
+use super::Moments;
+use super::integrated::components;
+use crate::density::Density;
+use crate::kernel::{Kernel, Shape};
+use crate::numeric::special::normal_density;
+use crate::numeric::{GaussLegendre, Sum, panels};
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Beyond so many deviations the Gaussian kernel is below 1e-18 of its peak.
+const GAUSSIAN_REACH: f64 = 9.2;
+
+static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(24));
+
+/// E f̂(x) = (K_h * f)(x) and var f̂(x) = \[(K_h² * f)(x) - (K_h * f)(x)²\] / n of the kernel estimate with bandwidth `h` from `draws` points of `truth`.
+///
+/// A closed form for a normal mixture and the Gaussian kernel, otherwise quadrature to 1e-13 of the peak at the cost of some hundred evaluations.
+pub fn kernel_moments(truth: &dyn Density<1>, shape: Shape, h: f64, draws: f64, x: f64) -> Moments {
+    let (mean, square) = match (components(truth), shape) {
+        (Some(parts), Shape::Gaussian) => {
+            let at = |variance: f64| -> f64 {
+                parts
+                    .iter()
+                    .map(|part| {
+                        let s = part.deviation.hypot(variance.sqrt());
+                        part.weight * normal_density((x - part.mean) / s) / s
+                    })
+                    .sum()
+            };
+            // φ_h² is φ of deviation h/√2, over 2√π h
+            (at(h * h), at(0.5 * h * h) / (2.0 * PI.sqrt() * h))
+        }
+        (Some(parts), _) => parts.iter().fold((0.0, 0.0), |(mean, square), part| {
+            let s = part.deviation;
+            let f = |y: f64| normal_density((y - part.mean) / s) / s;
+            let (low, high) = (part.mean - 9.0 * s, part.mean + 9.0 * s);
+            let (m, q) = smoothed(shape, h, x, f, [low, high], &[], 1.5 * s);
+            (part.weight.mul_add(m, mean), part.weight.mul_add(q, square))
+        }),
+        (None, _) => {
+            let ([low], [high]) = truth.bulk(1e-18);
+            smoothed(
+                shape,
+                h,
+                x,
+                |y| truth.at([y]),
+                [low, high],
+                &truth.breaks(0),
+                truth.finest_scale(0),
+            )
+        }
+    };
+    Moments {
+        mean,
+        // rounding must not make a variance negative where it vanishes
+        variance: ((square - mean * mean) / draws).max(0.0),
+    }
+}
+
+/// (K_h * f)(x) and (K_h² * f)(x), for an f that lives between `low` and `high`.
+fn smoothed(
+    shape: Shape,
+    h: f64,
+    x: f64,
+    f: impl Fn(f64) -> f64,
+    [low, high]: [f64; 2],
+    breaks: &[f64],
+    longest: f64,
+) -> (f64, f64) {
+    let (reach, smooth) = match shape {
+        Shape::Gaussian => (GAUSSIAN_REACH * h, h),
+        _ => (h, 2.0 * h),
+    };
+    let (low, high) = (low.max(x - reach), high.min(x + reach));
+    if low >= high {
+        return (0.0, 0.0);
+    }
+    let cuts = breaks.iter().copied().chain([x]);
+    let (mut mean, mut square) = (Sum::default(), Sum::default());
+    for panel in panels(low, high, cuts, longest.min(smooth)).windows(2) {
+        for (y, weight) in RULE.on(panel[0], panel[1]) {
+            let kernel = shape.value((x - y) / h) / h;
+            let term = weight * kernel * f(y);
+            mean.add(term);
+            square.add(term * kernel);
+        }
+    }
+    (mean.value(), square.value())
+}
