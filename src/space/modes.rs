@@ -36,26 +36,23 @@ pub fn modes(raster: &Raster<1>, tolerance: f64) -> Vec<Mode> {
     let mut top: Option<(f64, usize, usize)> = Some((values[0], 0, 0));
     let mut deepest = values[0];
     for (i, &value) in values.iter().enumerate().skip(1) {
-        match &mut top {
-            Some((best, first, last)) => {
-                if value > *best {
-                    (*best, *first, *last) = (value, i, i);
-                } else if value >= *best && *last + 1 == i {
-                    *last = i;
-                } else if *best - value > rise {
-                    found.push(Mode {
-                        at: 0.5 * (place(*first) + place(*last)),
-                        value: *best,
-                    });
-                    top = None;
-                    deepest = value;
-                }
+        if let Some((best, first, last)) = &mut top {
+            if value > *best {
+                (*best, *first, *last) = (value, i, i);
+            } else if value >= *best && *last + 1 == i {
+                *last = i;
+            } else if *best - value > rise {
+                found.push(Mode {
+                    at: 0.5 * (place(*first) + place(*last)),
+                    value: *best,
+                });
+                top = None;
+                deepest = value;
             }
-            None => {
-                deepest = deepest.min(value);
-                if value - deepest > rise {
-                    top = Some((value, i, i));
-                }
+        } else {
+            deepest = deepest.min(value);
+            if value - deepest > rise {
+                top = Some((value, i, i));
             }
         }
     }
