@@ -6,11 +6,14 @@
 //! | engine | sums | targets | error (relative to the ceiling) | cost | file |
 //! |---|---|---|---|---|---|
 //! | direct | any | any | rounding | n·m | `direct.rs` |
+//! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
 
+mod binned;
 mod direct;
 mod hermite;
 
+pub use binned::Binned;
 pub use direct::Direct;
 pub use hermite::Hermite;
 

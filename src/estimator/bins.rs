@@ -4,6 +4,7 @@ use super::FitError;
 use crate::numeric::Sum;
 use crate::sample::{Sample, Weights};
 use crate::space::Warning;
+use crate::space::binning::{self, Mesh};
 use rayon::prelude::*;
 
 /// Points that one pass of counting handles at a time; a constant, so that the blocks do not depend on the number of threads.
@@ -11,7 +12,7 @@ const BLOCK: usize = 1 << 18;
 
 /// The mass of a sample in the half-open bins [origin + k·width, origin + (k + 1)·width), k whole.
 ///
-/// There is **one formula** for the bin of a place, k = ⌊(x - origin) / width⌋ as computed in `f64`, used for data and targets alike, so that a
+/// There is **one formula** for the bin of a place ([`Mesh::number`]), used for data and targets alike, so that a
 /// datum at an edge and a target at the same edge are in the same bin whatever the rounding. Memory is O(n) whatever the
 /// width: bins are a plain row where that has at most a few cells a point, and otherwise only those with data in them are kept, in order.
 ///
@@ -28,16 +29,6 @@ enum Store {
     Row { first: f64, masses: Vec<f64> },
     /// The bins with data, numbers ascending.
     Sparse { numbers: Vec<f64>, masses: Vec<f64> },
-}
-
-/// ⌊(x - origin) / width⌋; adding zero makes -0 the 0 that it equals.
-#[inline(always)]
-#[expect(
-    clippy::inline_always,
-    reason = "vector code is made only of what is inlined into the dispatch"
-)]
-fn number(x: f64, origin: f64, width: f64) -> f64 {
-    ((x - origin) / width).floor() + 0.0
 }
 
 impl Bins {
@@ -57,7 +48,13 @@ impl Bins {
                 store,
             });
         }
-        let (first, last) = (number(least, origin, width), number(most, origin, width));
+        let mesh = Mesh {
+            origin,
+            width,
+            first: 0.0,
+            count: 0,
+        };
+        let (first, last) = (mesh.number(least), mesh.number(most));
         if !(first.is_finite() && last.is_finite() && width.recip().is_finite()) {
             return Err(FitError::TooLarge(format!(
                 "the data from {least} to {most} cannot be numbered in bins of width {width} from the origin {origin}; choose a larger width"
@@ -65,16 +62,23 @@ impl Bins {
         }
         let span = last - first + 1.0;
         let store = if span <= (4 * x.len()).max(4096) as f64 {
+            let mesh = Mesh {
+                first,
+                count: span as usize,
+                ..mesh
+            };
             let masses = match sample.weights() {
-                Weights::Equal(weight) => counts(x, origin, width, first, span as usize)
+                Weights::Equal(weight) => binning::count(x, mesh)
+                    .inside
                     .into_iter()
                     .map(|count| count as f64 * weight)
                     .collect(),
-                Weights::Each(weights) => row(x, weights, origin, width, first, span as usize),
+                // only points without weight are outside the row
+                Weights::Each(weights) => binning::weigh(x, weights, mesh).inside,
             };
             Store::Row { first, masses }
         } else {
-            sparse(sample, origin, width)
+            sparse(sample, mesh)
         };
         Ok(Self {
             origin,
@@ -85,7 +89,13 @@ impl Bins {
 
     /// The number of the bin that holds `x`.
     pub(super) fn number(&self, x: f64) -> f64 {
-        number(x, self.origin, self.width)
+        let mesh = Mesh {
+            origin: self.origin,
+            width: self.width,
+            first: 0.0,
+            count: 0,
+        };
+        mesh.number(x)
     }
 
     /// The mass in bin `number`.
@@ -172,85 +182,12 @@ fn range(sample: &Sample<1>) -> (f64, f64) {
     }
 }
 
-/// How many points there are in each bin of a row; whole numbers, so that the order of adding is free.
-fn counts(x: &[f64], origin: f64, width: f64, first: f64, bins: usize) -> Vec<u64> {
-    let count = |x: &[f64]| {
-        let mut counts = vec![0u64; bins];
-        each_place(x, origin, width, first, |_, place| counts[place] += 1);
-        counts
-    };
-    // a row for each block must not outweigh the data
-    if x.len() <= BLOCK || bins > BLOCK / 4 {
-        return count(x);
-    }
-    let mut total = vec![0; bins];
-    for counts in x.par_chunks(BLOCK).map(count).collect::<Vec<_>>() {
-        for (total, count) in total.iter_mut().zip(counts) {
-            *total += count;
-        }
-    }
-    total
-}
-
-/// The mass in each bin of a row, summed block by block in a fixed order.
-fn row(x: &[f64], weights: &[f64], origin: f64, width: f64, first: f64, bins: usize) -> Vec<f64> {
-    let add = |x: &[f64], weights: &[f64]| {
-        let mut sums = vec![Sum::default(); bins];
-        each_place(x, origin, width, first, |i, place| {
-            // only points without weight are outside the row
-            if let Some(sum) = sums.get_mut(place) {
-                sum.add(weights[i]);
-            }
-        });
-        sums
-    };
-    let sums = if x.len() <= BLOCK || bins > BLOCK / 4 {
-        add(x, weights)
-    } else {
-        let mut total = vec![Sum::default(); bins];
-        let blocks: Vec<_> = x
-            .par_chunks(BLOCK)
-            .zip(weights.par_chunks(BLOCK))
-            .map(|(x, weights)| add(x, weights))
-            .collect();
-        for block in blocks {
-            for (total, sum) in total.iter_mut().zip(block) {
-                total.merge(sum);
-            }
-        }
-        total
-    };
-    sums.into_iter().map(Sum::value).collect()
-}
-
-/// Calls `visit` with each point's index and the place of its bin in a row that starts at bin `first`.
-fn each_place(x: &[f64], origin: f64, width: f64, first: f64, mut visit: impl FnMut(usize, usize)) {
-    const STRIP: usize = 1024;
-    // 2⁵² + k has k in its low bits: the conversion is one addition, and the loop over a strip becomes vector code
-    const SHIFT: f64 = 4_503_599_627_370_496.0;
-    let arch = pulp::Arch::new();
-    let mut places = [0u32; STRIP];
-    for (strip, x) in x.chunks(STRIP).enumerate() {
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for (place, &x) in places.iter_mut().zip(x) {
-                    *place = (number(x, origin, width) - first + SHIFT).to_bits() as u32;
-                }
-            },
-        );
-        for (i, &place) in places[..x.len()].iter().enumerate() {
-            visit(strip * STRIP + i, place as usize);
-        }
-    }
-}
-
-fn sparse(sample: &Sample<1>, origin: f64, width: f64) -> Store {
+fn sparse(sample: &Sample<1>, mesh: Mesh) -> Store {
     let mut order: Vec<(f64, usize)> = sample
         .coordinates()
         .iter()
         .enumerate()
-        .map(|(i, &x)| (number(x, origin, width), i))
+        .map(|(i, &x)| (mesh.number(x), i))
         .collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let (mut numbers, mut masses) = (Vec::new(), Vec::new());

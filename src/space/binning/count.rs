@@ -1,29 +1,52 @@
-//! Histograms: how many points, or what mass, each cell of a grid holds.
+//! Histograms: how many points, or what mass, each bin holds.
 
 use super::{BLOCK, CHUNK, ROUNDER, clamp, in_lanes, largest, split};
-use crate::space::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
-/// What the cells of a grid received, and what fell outside.
+/// What the bins received, and what fell outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counts<T> {
-    /// Points below the first cell.
+    /// Below the first bin.
     pub below: T,
-    /// Points in each cell.
+    /// In each bin.
     pub inside: Vec<T>,
-    /// Points above the last cell.
+    /// Above the last bin.
     pub above: T,
 }
 
-/// How many of `points` lie in each cell of `grid`.
+/// The half-open bins [origin + k·width, origin + (k + 1)·width) for k = first .. first + count.
 ///
-/// A cell is closed below and open above, the last one closed on both sides; its edges are the numbers `low + i·width` rounded once, and
-/// a point is compared with these very numbers, so that data on a lattice never land on the wrong side of an edge. O(n), about 1 ns a point
-/// below 10⁴ cells.
-pub fn count(points: &[f64], grid: &Grid<1>) -> Counts<u64> {
-    let edges = Edges::of(grid);
-    let size = edges.table();
-    // two tables used in turn, so that points in the same cell do not wait for each other; one where the cache would not hold both
+/// There is one formula for the bin of a place, k = ⌊(x - origin) / width⌋ as computed in `f64`; so a datum at an edge and a target at the
+/// same place are in the same bin, whatever the rounding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mesh {
+    /// An edge.
+    pub origin: f64,
+    /// The width of a bin.
+    pub width: f64,
+    /// The number of the first bin wanted, whole.
+    pub first: f64,
+    /// How many bins are wanted, at most 2³⁰.
+    pub count: usize,
+}
+
+impl Mesh {
+    /// The number of the bin that holds `x`, whole, the first one wanted having the number `first`.
+    #[inline(always)]
+    pub fn number(&self, x: f64) -> f64 {
+        // adding zero makes -0 the 0 that it equals
+        ((x - self.origin) / self.width).floor() + 0.0
+    }
+}
+
+/// How many of `points` lie in each bin of `mesh`.
+///
+/// Bins are found by a multiplication and, within rounding of an edge, by the division that defines them. O(n), about 1 ns a point below
+/// 10⁴ bins.
+pub fn count(points: &[f64], mesh: Mesh) -> Counts<u64> {
+    let search = Search::of(mesh);
+    let size = search.table();
+    // two tables used in turn, so that points in the same bin do not wait for each other; one where the cache would not hold both
     let copies = if size <= 1 << 13 { 2 } else { 1 };
     let table = in_lanes(
         points.len(),
@@ -31,30 +54,30 @@ pub fn count(points: &[f64], grid: &Grid<1>) -> Counts<u64> {
         |lane| {
             Arch::new().dispatch(Count {
                 points: &points[lane],
-                edges,
+                search,
                 copies,
             })
         },
         |sum, term| *sum += term,
     );
-    edges.unpack(table)
+    search.unpack(table)
 }
 
-/// The mass of `points` in each cell of `grid`: the sum of their `weights`, which must be finite and at least 0.
+/// The mass of `points` in each bin of `mesh`: the sum of their `weights`, which must be finite and at least 0.
 ///
-/// Cells as for [`count`]; sums as the module says. O(n).
-pub fn weigh(points: &[f64], weights: &[f64], grid: &Grid<1>) -> Counts<f64> {
-    let edges = Edges::of(grid);
+/// Bins as for [`count`]; sums as the module says. O(n).
+pub fn weigh(points: &[f64], weights: &[f64], mesh: Mesh) -> Counts<f64> {
+    let search = Search::of(mesh);
     let unit = largest(weights);
     let table = in_lanes(
         points.len(),
-        16 * edges.table(),
+        16 * search.table(),
         |lane| {
             Arch::new().dispatch(Weigh {
                 points: &points[lane.clone()],
                 weights: &weights[lane],
                 unit,
-                edges,
+                search,
             })
         },
         |sum: &mut [f64; 2], term| {
@@ -62,7 +85,7 @@ pub fn weigh(points: &[f64], weights: &[f64], grid: &Grid<1>) -> Counts<f64> {
             sum[1] += term[1];
         },
     );
-    edges.unpack(
+    search.unpack(
         table
             .into_iter()
             .map(|[high, low]| (high + low) * unit)
@@ -70,75 +93,50 @@ pub fn weigh(points: &[f64], weights: &[f64], grid: &Grid<1>) -> Counts<f64> {
     )
 }
 
-/// The edges of a grid's cells, prepared for the search.
+/// A mesh prepared for the search.
 #[derive(Clone, Copy)]
-struct Edges {
-    low: f64,
-    high: f64,
-    width: f64,
+struct Search {
+    mesh: Mesh,
     inverse: f64,
-    cells: usize,
-    /// Distance from an edge, in cells, below which the quick formula is not trusted.
+    /// Distance from an edge, in bins, below which the quick formula is not trusted.
     slack: f64,
 }
 
-impl Edges {
-    fn of(grid: &Grid<1>) -> Self {
-        let ([low], [high], [cells]) = (grid.low(), grid.high(), grid.cells());
-        let width = grid.width(0);
-        // (x - low) / width in floating point is off by a few units of rounding of itself; the edges, by half a unit of theirs
-        let slack =
-            f64::EPSILON * (4.0 * cells as f64 + 2.0 * low.abs().max(high.abs()) / width + 4.0);
+impl Search {
+    fn of(mesh: Mesh) -> Self {
+        // quotient, product with the reciprocal and their distance from the first bin are each rounded once or twice
+        let largest = mesh.first.abs() + mesh.count as f64 + 1.0;
         Self {
-            low,
-            high,
-            width,
-            inverse: width.recip(),
-            cells,
-            slack: slack.max(1e-12),
+            mesh,
+            inverse: mesh.width.recip(),
+            slack: (4.0 * f64::EPSILON * largest).max(1e-12),
         }
     }
 
-    fn edge(&self, i: usize) -> f64 {
-        if i == self.cells {
-            self.high
-        } else {
-            (i as f64).mul_add(self.width, self.low)
-        }
-    }
-
-    /// Guard cell, cells, guard cell; rounded up to a power of two for the mask.
+    /// Guard bin, bins, guard bin; rounded up to a power of two for the mask.
     fn table(&self) -> usize {
-        (self.cells + 2).next_power_of_two()
+        (self.mesh.count + 2).next_power_of_two()
     }
 
-    /// The cell of `x` by comparison with the edges: 0 below, `cells + 1` above.
-    fn exact(&self, x: f64) -> u32 {
-        if x < self.low {
-            return 0;
-        }
-        if x >= self.high {
-            let last = self.cells + usize::from(x > self.high);
-            return last as u32;
-        }
-        let mut i = (((x - self.low) / self.width) as usize).min(self.cells - 1);
-        while i > 0 && x < self.edge(i) {
-            i -= 1;
-        }
-        while i + 1 < self.cells && x >= self.edge(i + 1) {
-            i += 1;
-        }
-        i as u32 + 1
+    /// Whether every point must be divided: numbers of bins, or the reciprocal, are too large for the quick formula.
+    fn always(&self) -> bool {
+        self.slack >= 0.2 || !self.inverse.is_normal()
     }
 
     #[inline(always)]
     fn locate(&self, points: &[f64], index: &mut [u32; CHUNK]) {
-        let (low, inverse, top) = (self.low, self.inverse, self.cells as f64 + 0.25);
+        let Mesh {
+            origin,
+            first,
+            count,
+            ..
+        } = self.mesh;
+        let (inverse, top) = (self.inverse, count as f64 + 0.25);
         // rounding t - ½ is the floor; near an edge the two sides of the slack differ
         let (up, down) = (self.slack - 0.5, -self.slack - 0.5);
-        let mut doubtful = u32::from(self.slack >= 0.2);
+        let mut doubtful = u32::from(self.always());
         for (i, &x) in index.iter_mut().zip(points) {
-            let t = clamp((x - low) * inverse, -0.75, top);
+            let t = clamp((x - origin) * inverse - first, -0.75, top);
             let above = (t + up + ROUNDER).to_bits() as u32;
             let below = (t + down + ROUNDER).to_bits() as u32;
             doubtful |= above ^ below;
@@ -152,18 +150,21 @@ impl Edges {
     #[cold]
     #[inline(never)]
     fn settle(&self, points: &[f64], index: &mut [u32; CHUNK]) {
+        let always = self.always();
         for (i, &x) in index.iter_mut().zip(points) {
-            let t = (x - self.low) * self.inverse;
-            if (t - t.round()).abs() <= 2.0 * self.slack || self.slack >= 0.2 {
-                *i = self.exact(x);
+            let t = (x - self.mesh.origin) * self.inverse - self.mesh.first;
+            if always || (t - t.round()).abs() <= 2.0 * self.slack {
+                let place = self.mesh.number(x) - self.mesh.first;
+                *i = clamp(place, -1.0, self.mesh.count as f64) as i64 as u32;
+                *i = i.wrapping_add(1);
             }
         }
     }
 
     fn unpack<T: Copy>(&self, table: Vec<T>) -> Counts<T> {
         let mut inside = table;
-        let above = inside[self.cells + 1];
-        inside.truncate(self.cells + 1);
+        let above = inside[self.mesh.count + 1];
+        inside.truncate(self.mesh.count + 1);
         let below = inside.remove(0);
         Counts {
             below,
@@ -175,7 +176,7 @@ impl Edges {
 
 struct Count<'a> {
     points: &'a [f64],
-    edges: Edges,
+    search: Search,
     copies: usize,
 }
 
@@ -186,10 +187,10 @@ impl WithSimd for Count<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Vec<u64> {
         let Self {
             points,
-            edges,
+            search,
             copies,
         } = self;
-        let size = edges.table();
+        let size = search.table();
         let mut even = vec![0u32; size];
         let mut odd = vec![0u32; if copies == 2 { size } else { 0 }];
         let mut total = vec![0u64; size];
@@ -197,7 +198,7 @@ impl WithSimd for Count<'_> {
         // flushed long before a count of 32 bits is full
         for block in points.chunks(1 << 31) {
             for chunk in block.chunks(CHUNK) {
-                edges.locate(chunk, &mut index);
+                search.locate(chunk, &mut index);
                 let cells = &index[..chunk.len()];
                 if copies == 2 {
                     let (even, odd) = (even.as_mut_slice(), odd.as_mut_slice());
@@ -229,7 +230,7 @@ struct Weigh<'a> {
     points: &'a [f64],
     weights: &'a [f64],
     unit: f64,
-    edges: Edges,
+    search: Search,
 }
 
 impl WithSimd for Weigh<'_> {
@@ -241,14 +242,14 @@ impl WithSimd for Weigh<'_> {
             points,
             weights,
             unit,
-            edges,
+            search,
         } = self;
-        let size = edges.table();
+        let size = search.table();
         let mut table = vec![[0.0; 2]; size];
         let mut index = [0u32; CHUNK];
         for (points, weights) in points.chunks(BLOCK).zip(weights.chunks(BLOCK)) {
             for (chunk, weights) in points.chunks(CHUNK).zip(weights.chunks(CHUNK)) {
-                edges.locate(chunk, &mut index);
+                search.locate(chunk, &mut index);
                 let table = table.as_mut_slice();
                 for (&cell, &weight) in index.iter().zip(weights) {
                     let (high, low) = split(weight / unit);
@@ -267,53 +268,54 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn grid(low: f64, high: f64, cells: usize) -> Grid<1> {
-        Grid::new([low], [high], [cells]).expect("legal")
+    fn mesh(origin: f64, width: f64, count: usize) -> Mesh {
+        Mesh {
+            origin,
+            width,
+            first: 0.0,
+            count,
+        }
     }
 
-    /// The definition: the number of edges not above x.
-    fn judge(points: &[f64], grid: &Grid<1>) -> Counts<u64> {
-        let edges = Edges::of(grid);
-        let mut inside = vec![0; edges.cells];
-        let (mut below, mut above) = (0, 0);
+    /// The definition.
+    fn judge(points: &[f64], mesh: Mesh) -> Counts<u64> {
+        let mut counts = Counts {
+            below: 0,
+            inside: vec![0; mesh.count],
+            above: 0,
+        };
         for &x in points {
-            if x < grid.low()[0] {
-                below += 1;
-            } else if x > grid.high()[0] {
-                above += 1;
+            let place = mesh.number(x) - mesh.first;
+            if place < 0.0 {
+                counts.below += 1;
+            } else if place >= mesh.count as f64 {
+                counts.above += 1;
             } else {
-                let cell = (1..edges.cells).filter(|&i| edges.edge(i) <= x).count();
-                inside[cell] += 1;
+                counts.inside[place as usize] += 1;
             }
         }
-        Counts {
-            below,
-            inside,
-            above,
-        }
+        counts
     }
 
     #[test]
-    fn a_lattice_of_data_on_the_edges_goes_up() {
+    fn a_lattice_of_data_on_the_edges_goes_where_the_formula_says() {
         // 0.1 i is rarely a binary number, and dividing it by 0.1 rounds either way
-        let grid = grid(0.0, 1000.0, 10_000);
-        let points: Vec<f64> = (0..10_000)
-            .map(|i| f64::from(i).mul_add(0.1, 0.0))
-            .collect();
-        let counts = count(&points, &grid);
-        assert!(
-            counts.inside.iter().all(|&c| c == 1),
-            "each edge opens its cell"
+        let points: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 0.1).collect();
+        let mesh = mesh(0.0, 0.1, 9990);
+        let counts = count(&points, mesh);
+        assert_eq!(counts, judge(&points, mesh));
+        assert_eq!(
+            counts.below + counts.above + counts.inside.iter().sum::<u64>(),
+            10_000
         );
-        assert_eq!(count(&[1000.0], &grid).inside[9999], 1);
     }
 
     #[test]
     fn a_million_ties_are_counted_and_weighed() {
-        let grid = grid(0.0, 4.0, 4);
+        let mesh = mesh(0.0, 1.0, 4);
         let points = vec![1.5; 1_000_003];
-        assert_eq!(count(&points, &grid).inside, [0, 1_000_003, 0, 0]);
-        let mass = weigh(&points, &vec![0.1; points.len()], &grid).inside[1];
+        assert_eq!(count(&points, mesh).inside, [0, 1_000_003, 0, 0]);
+        let mass = weigh(&points, &vec![0.1; points.len()], mesh).inside[1];
         assert!((mass / 100_000.3 - 1.0).abs() < 1e-15, "{mass}");
     }
 
@@ -323,34 +325,48 @@ mod tests {
             .map(|i| (f64::from(i) * 0.618).fract())
             .collect();
         let weights: Vec<f64> = points.iter().map(|x| 1.0 / (x + 1e-3)).collect();
-        let grid = grid(0.1, 0.9, 37);
+        let mesh = mesh(0.1, 0.02, 37);
         let run = |threads| {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .expect("threads")
-                .install(|| weigh(&points, &weights, &grid))
+                .install(|| weigh(&points, &weights, mesh))
         };
         let one = run(1);
         assert_eq!(one, run(2));
         assert_eq!(one, run(7));
     }
 
+    #[test]
+    fn bins_thinner_than_rounding_and_outliers_are_no_special_case() {
+        let points = [1e9, 1e9 + 1e-7, -1e300, 1e300, 5.0];
+        for (width, first) in [(1e-9, 1e18), (1e-320, 0.0), (1e300, -2.0)] {
+            let mesh = Mesh {
+                origin: 0.0,
+                width,
+                first,
+                count: 5,
+            };
+            assert_eq!(count(&points, mesh), judge(&points, mesh), "{width}");
+        }
+    }
+
     proptest! {
         #[test]
-        fn counts_are_those_of_comparisons(
-            low in -1e3..1e3_f64, offset in prop::sample::select(vec![0.0, 1e9]), width in 1e-3..10.0_f64,
-            cells in 1usize..40, unit in prop::collection::vec(-0.2..1.2_f64, 1..200), on_edges in any::<bool>(),
+        fn counts_are_those_of_the_formula(
+            origin in -1e3..1e3_f64, offset in prop::sample::select(vec![0.0, 1e9]), width in 1e-3..10.0_f64,
+            first in -50..50_i32, bins in 1usize..40, unit in prop::collection::vec(-0.2..1.2_f64, 1..200),
+            on_edges in any::<bool>(),
         ) {
-            let low = low + offset;
-            let grid = grid(low, low + width * cells as f64, cells);
+            let mesh = Mesh { origin: origin + offset, width, first: f64::from(first), count: bins };
             let points: Vec<f64> = unit.iter().map(|u| {
-                let t = u * cells as f64;
-                if on_edges { t.round().mul_add(grid.width(0), low) } else { t.mul_add(grid.width(0), low) }
+                let t = mesh.first + u * bins as f64;
+                mesh.origin + width * if on_edges { t.round() } else { t }
             }).collect();
-            let expected = judge(&points, &grid);
-            prop_assert_eq!(&count(&points, &grid), &expected);
-            let mass = weigh(&points, &vec![0.5; points.len()], &grid);
+            let expected = judge(&points, mesh);
+            prop_assert_eq!(&count(&points, mesh), &expected);
+            let mass = weigh(&points, &vec![0.5; points.len()], mesh);
             for (m, c) in mass.inside.iter().zip(&expected.inside) {
                 prop_assert!((m - 0.5 * *c as f64).abs() < 1e-12);
             }

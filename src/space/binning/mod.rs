@@ -2,7 +2,7 @@
 //!
 //! | function | what a cell receives | for | file |
 //! |---|---|---|---|
-//! | [`count`], [`weigh`] | how many points, what mass | histograms | `count.rs` |
+//! | [`count`], [`weigh`] | how many points, what mass, of a [`Mesh`] | histograms | `count.rs` |
 //! | [`linear`] | mass shared between the two nearest nodes | convolution by transform | `linear.rs` |
 //! | [`moments`] | Σ w uᵏ about the centre of the cell | Hermite expansions | `moments.rs` |
 //!
@@ -24,7 +24,7 @@ mod count;
 mod linear;
 mod moments;
 
-pub use count::{Counts, count, weigh};
+pub use count::{Counts, Mesh, count, weigh};
 pub use linear::{Nodes, linear};
 pub use moments::{Lattice, moments};
 
