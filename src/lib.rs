@@ -30,7 +30,7 @@
 //! | [`estimator`] | sample → estimate |
 //! | [`accuracy`] | how wrong: distances between fields |
 //! | [`experiment`] | question → table |
-//! | `report` | table → figures and page |
+//! | [`report`] | table → figures and page |
 //! | [`cli`] | one file per command |
 pub mod accuracy;
 pub mod boundary;
@@ -44,6 +44,7 @@ pub mod memory;
 pub mod numeric;
 pub mod parameter;
 pub mod random;
+pub mod report;
 pub mod sample;
 pub mod selector;
 pub mod space;

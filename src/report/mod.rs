@@ -1,0 +1,7 @@
+//! What comes out: figures and the page that shows them.
+//!
+//! Nothing here computes a statistic. Figures and pages take plain numbers and names, so they can be drawn from a table alone.
+
+pub mod figure;
+pub mod page;
+pub mod text;
