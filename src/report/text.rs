@@ -90,6 +90,25 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// `value` with its standard error, to the error's second digit: `0.00457 ± 0.00031`, or `(4.57 ± 0.31) × 10⁻⁵`.
+pub fn uncertain(value: f64, error: f64) -> String {
+    if !(value.is_finite() && error.is_finite() && error > 0.0) {
+        return significant(value, 4);
+    }
+    let last = exponent(error, 2) - 1;
+    let size = exponent(value.abs().max(error), 4).max(last);
+    let plain = (-3..5).contains(&size);
+    let power_of_ten = if plain { 0 } else { size };
+    let digits = decimals(last - power_of_ten, 1);
+    let print = |number: f64| fixed(number / 10f64.powi(power_of_ten), digits);
+    let pair = format!("{} ± {}", print(value), print(error));
+    if plain {
+        pair
+    } else {
+        format!("({pair})\u{202f}×\u{202f}{}", power(power_of_ten))
+    }
+}
+
 /// Digits after the point so that a number of this power of ten shows `digits` significant ones.
 pub(super) fn decimals(exponent: i32, digits: usize) -> usize {
     (digits as i32 - 1 - exponent).clamp(0, 17) as usize
@@ -149,7 +168,7 @@ impl Column {
                 digits,
             };
         }
-        let power = if (-2..5).contains(&largest) {
+        let power = if (-1..5).contains(&largest) {
             0
         } else {
             largest
@@ -167,6 +186,11 @@ impl Column {
             Some(decimals) => fixed(value / 10f64.powi(self.power), decimals),
             None => significant(value, self.digits),
         }
+    }
+
+    /// Whether the numbers line up.
+    pub fn is_aligned(&self) -> bool {
+        self.decimals.is_some()
     }
 
     /// What the heading must add: ` / 10⁻³`, or nothing.
@@ -296,6 +320,17 @@ mod tests {
     }
 
     #[test]
+    fn an_error_decides_how_many_digits_are_shown() {
+        assert_eq!(uncertain(0.004_570_3, 0.000_031), "0.004570 ± 0.000031");
+        assert_eq!(
+            uncertain(4.5703e-5, 3.1e-6),
+            "(4.57 ± 0.31)\u{202f}×\u{202f}10⁻⁵"
+        );
+        assert_eq!(uncertain(123.4, 25.0), "123 ± 25");
+        assert_eq!(uncertain(0.5, 0.0), "0.5000");
+    }
+
+    #[test]
     fn the_numbers_of_a_column_line_up() {
         let column = Column::of([(4.5703e-3, Some(3.1e-5)), (1.2978e-2, Some(2.0e-4))], 4);
         assert_eq!(
@@ -304,7 +339,7 @@ mod tests {
                 column.print(1.2978e-2),
                 column.scale()
             ),
-            ("0.004570".into(), "0.012978".into(), String::new())
+            ("0.4570".into(), "1.2978".into(), " / 10⁻²".to_owned())
         );
         let column = Column::of([(4.5703e-5, None), (1.2978e-4, None)], 3);
         assert_eq!(

@@ -250,13 +250,20 @@ impl DrawingBackend for Backend {
             FontStyle::Normal => "",
         };
         let colour = style.color();
+        let markup = raised(text, size / UNITS);
+        // Some renderers drop spaces at the edges of spans unless told.
+        let spaces = if markup.contains("<tspan") {
+            " xml:space=\"preserve\""
+        } else {
+            ""
+        };
         let _ = writeln!(
             self.body,
-            "<text {place}{anchor}{weight} font-size=\"{}\" fill=\"{}\"{}>{}</text>",
+            "<text {place}{anchor}{weight}{spaces} font-size=\"{}\" fill=\"{}\"{}>{}</text>",
             pixels(size.round() as i32),
             hex(colour),
             opacity("fill", colour),
-            raised(text, size / UNITS),
+            markup,
         );
         Ok(())
     }
@@ -268,18 +275,6 @@ fn raised(text: &str, size: f64) -> String {
     let mut run = String::new();
     let mut up = false;
     let mut was_up = false;
-    // A space at the edge of a span would be dropped by some renderers.
-    let set = |run: &str| {
-        let inner = run.trim_matches(' ');
-        let lead = run.len() - run.trim_start_matches(' ').len();
-        let trail = run.len() - lead - inner.len();
-        format!(
-            "{}{}{}",
-            "\u{a0}".repeat(lead),
-            escape(inner),
-            "\u{a0}".repeat(trail)
-        )
-    };
     let flush = |run: &mut String, up: bool, was_up: &mut bool, markup: &mut String| {
         if run.is_empty() {
             return;
@@ -292,12 +287,12 @@ fn raised(text: &str, size: f64) -> String {
                 "<tspan dy=\"{:.2}\" font-size=\"{:.2}\">{}</tspan>",
                 -shift,
                 0.72 * size,
-                set(run)
+                escape(run)
             );
         } else if *was_up {
-            let _ = write!(markup, "<tspan dy=\"{shift:.2}\">{}</tspan>", set(run));
+            let _ = write!(markup, "<tspan dy=\"{shift:.2}\">{}</tspan>", escape(run));
         } else {
-            markup.push_str(&set(run));
+            markup.push_str(&escape(run));
         }
         *was_up = up;
         run.clear();
@@ -331,7 +326,7 @@ mod tests {
         assert_eq!(raised("plain", 10.0), "plain");
         assert_eq!(
             raised("10⁻³ < m²", 10.0),
-            "10<tspan dy=\"-3.60\" font-size=\"7.20\">\u{2212}3</tspan><tspan dy=\"3.60\">\u{a0}&lt; m</tspan>\
+            "10<tspan dy=\"-3.60\" font-size=\"7.20\">\u{2212}3</tspan><tspan dy=\"3.60\"> &lt; m</tspan>\
              <tspan dy=\"-3.60\" font-size=\"7.20\">2</tspan>"
         );
     }

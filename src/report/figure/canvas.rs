@@ -15,6 +15,7 @@ use plotters::style::{
 };
 use plotters_backend::text_anchor::{HPos, Pos, VPos};
 use std::cell::RefCell;
+use std::fmt::Write as _;
 use std::rc::Rc;
 
 type Area<C> = DrawingArea<Backend, C>;
@@ -316,6 +317,35 @@ impl Frame {
             .map(|&(a, b)| (self.x.value(a), self.y.value(b)))
             .collect()
     }
+}
+
+/// The pieces of a curve between its gaps as SVG path data in pixels of the figure.
+pub(super) fn path_data(frame: &Frame, x: &[f64], y: &[f64]) -> String {
+    let places: Vec<Place> = frame
+        .places(x.iter().copied().zip(y.iter().copied()))
+        .collect();
+    let mut data = String::new();
+    for run in places.split(|place| !(place.0.is_finite() && place.1.is_finite())) {
+        for (index, place) in thin(run, (frame.width, frame.height), 1.0 / UNITS)
+            .into_iter()
+            .enumerate()
+        {
+            // A curve far beyond the frame is as good as one at twenty times its height.
+            let (across, up) = (place.0.clamp(-20.0, 20.0), place.1.clamp(-20.0, 20.0));
+            let at = (
+                frame.left + across * frame.width,
+                frame.bottom() - up * frame.height,
+            );
+            let _ = write!(
+                data,
+                "{}{:.2} {:.2}",
+                if index == 0 { 'M' } else { 'L' },
+                at.0,
+                at.1
+            );
+        }
+    }
+    data
 }
 
 /// A frame with data coordinates.

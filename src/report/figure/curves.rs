@@ -44,6 +44,15 @@ impl Curves {
 
     /// The figure and where its frame lies.
     pub fn draw_in_frame(&self) -> (Svg, Frame) {
+        self.compose(true)
+    }
+
+    /// The same for curves that are put in later: without a remark that there are none.
+    pub(in crate::report) fn draw_stage(&self) -> (Svg, Frame) {
+        self.compose(false)
+    }
+
+    fn compose(&self, remark: bool) -> (Svg, Frame) {
         let (x, y) = self.scales();
         let ends = self.ends(x, y);
         let entries = legend(&self.series, !self.rug.is_empty());
@@ -91,10 +100,11 @@ impl Curves {
         if let Some(ends) = ends {
             label_ends(&panel, &canvas, &ends, labels);
         }
-        if !self
-            .series
-            .iter()
-            .any(|series| series.y.iter().any(|value| value.is_finite()))
+        if remark
+            && !self
+                .series
+                .iter()
+                .any(|series| series.y.iter().any(|value| value.is_finite()))
         {
             nothing(&canvas, &panel.frame);
         }

@@ -63,6 +63,18 @@ impl fmt::Display for Svg {
     }
 }
 
+/// The curve through (x, y) as path data for a drawing with this frame, thinned by less than the eye can see. It is not cut at the
+/// frame: whoever moves it in a page gives it a viewport that does.
+pub(in crate::report) fn line_in_frame(frame: &Frame, x: &[f64], y: &[f64]) -> String {
+    canvas::path_data(frame, x, y)
+}
+
+/// Colour of estimate number `index` as `#rrggbb`.
+pub(in crate::report) fn series_colour(index: usize) -> String {
+    let plotters::style::RGBColor(red, green, blue) = style::colour(index);
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
 /// An axis: its name, its unit and, where the data should not decide, its range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
