@@ -139,9 +139,8 @@ impl Scale {
 
     /// Ticks for an axis of `length` pixels whose labels stand side by side (`across`) or above each other; no two labels touch.
     pub(super) fn ticks(&self, length: f64, across: bool) -> Ticks {
-        let mut wanted = (length / if across { 55.0 } else { 36.0 })
-            .floor()
-            .clamp(3.0, 10.0) as usize;
+        let (spacing, least) = if across { (70.0, 5.0) } else { (48.0, 4.0) };
+        let mut wanted = (length / spacing).floor().clamp(least, 10.0) as usize;
         loop {
             let ticks = if self.logarithmic {
                 self.logarithmic_ticks(wanted)

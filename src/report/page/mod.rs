@@ -20,7 +20,7 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("slider.js");
 
 /// SHA-256 of the two files above in base 64; a test tells the new value when one changes.
-const STYLE_HASH: &str = "sha256-akTkxqARgpqOjC3ptvB5VvXDwE6LRXL7Qax55srGtxY=";
+const STYLE_HASH: &str = "sha256-KropPjPL+yErH0xOl3ry0zTfCFqqovvHlpAo5Zo2oEg=";
 const SCRIPT_HASH: &str = "sha256-svuB9YKF3M4Zp6WufIa2DHCwYcvuS3NNifzv/jci5vI=";
 
 /// How a claim fared.
@@ -142,9 +142,19 @@ impl Page {
             (1, _, 1, _) => "The claim fails.".into(),
             (1, ..) => "The claim is undecided.".into(),
             (all, pass, 0, 0) if all == pass => format!("All {all} claims hold."),
-            (all, pass, fail, 0) => format!("Of {all} claims {pass} hold and {fail} fail."),
-            (all, pass, fail, open) => {
-                format!("Of {all} claims {pass} hold, {fail} fail and {open} are undecided.")
+            (all, ..) => {
+                let one = |count: usize, single: &str, several: &str| match count {
+                    0 => None,
+                    1 => Some(format!("1 {single}")),
+                    _ => Some(format!("{count} {several}")),
+                };
+                let parts = [
+                    one(pass, "holds", "hold"),
+                    one(fail, "fails", "fail"),
+                    one(open, "is undecided", "are undecided"),
+                ];
+                let parts: Vec<String> = parts.into_iter().flatten().collect();
+                format!("Of {all} claims, {}.", parts.join(", "))
             }
         };
         if !summary.is_empty() {

@@ -218,10 +218,10 @@ impl Slider {
             };
             let best = step.exact.or(step.measured);
             let values = [
-                best.map(|e| e.mise.0),
-                best.map(|e| e.bias2.0),
-                best.map(|e| e.variance.0),
                 step.ise,
+                best.map(|e| e.variance.0),
+                best.map(|e| e.bias2.0),
+                best.map(|e| e.mise.0),
             ];
             let height = |value: Option<f64>| {
                 let frame = errors?;
@@ -346,10 +346,10 @@ fn pointer(frame: Frame, first: &Shown) -> String {
         frame.bottom()
     );
     let colours = [
-        "#262626".to_owned(),
-        series_colour(0),
-        series_colour(1),
         series_colour(ISE),
+        series_colour(1),
+        series_colour(0),
+        "#262626".to_owned(),
     ];
     for (dot, colour) in first.dots.iter().zip(colours) {
         let hidden = if dot.is_none() {

@@ -89,11 +89,11 @@ fn the_summary_counts_claims() {
     assert!(page(&[Outcome::Fail]).contains("The claim fails."));
     assert!(
         page(&[Outcome::Pass, Outcome::Fail, Outcome::Fail])
-            .contains("Of 3 claims 1 hold and 2 fail.")
+            .contains("Of 3 claims, 1 holds, 2 fail.")
     );
     assert!(
         page(&[Outcome::Undecided, Outcome::Pass])
-            .contains("Of 2 claims 1 hold, 0 fail and 1 are undecided.")
+            .contains("Of 2 claims, 1 holds, 1 is undecided.")
     );
 }
 
