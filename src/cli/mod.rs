@@ -14,9 +14,11 @@ mod list;
 mod notes;
 mod output;
 mod phases;
+mod run;
 mod sample;
 #[allow(dead_code, reason = "for commands that judge")]
 mod stop;
+mod summary;
 
 use clap::{Parser, Subcommand};
 use notes::Notes;
@@ -50,6 +52,7 @@ Exit codes: 0 done, 1 a claim failed, 2 bad input, 3 the system failed, 130 inte
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Run(run::Run),
     List(list::List),
     Estimate(estimate::Estimate),
     Sample(sample::Sample),
@@ -59,6 +62,7 @@ enum Command {
 impl Command {
     fn run(self, notes: Notes) -> Result<(), Stop> {
         match self {
+            Self::Run(run) => run.run(notes),
             Self::List(list) => list.run(notes),
             Self::Estimate(estimate) => estimate.run(notes),
             Self::Sample(sample) => sample.run(),

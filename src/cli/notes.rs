@@ -36,3 +36,8 @@ impl Notes {
 pub fn error(text: &str) {
     let _ = writeln!(anstream::stderr(), "\x1b[1;31merror\x1b[0m: {text}");
 }
+
+/// A text that says itself what it is; styled where the terminal can show it.
+pub fn tell(text: &str) {
+    let _ = write!(anstream::stderr(), "{text}");
+}

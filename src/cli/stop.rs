@@ -1,5 +1,6 @@
 //! Why a command ends before its end, and the exit code that says so.
 
+use crate::experiment::read::Problems;
 use crate::sample::file::FileError;
 use crate::storage::StorageError;
 use std::io;
@@ -19,7 +20,7 @@ pub enum Stop {
     /// Exit code 3: the system did not do what was asked of it.
     System(String),
     /// Exit code 130: stopped by its user.
-    Interrupted,
+    Interrupted(String),
 }
 
 impl Stop {
@@ -37,6 +38,15 @@ impl Stop {
         Self::System(format!("{}: cannot be read: {error}", path.display()))
     }
 
+    /// Tells what is wrong with an experiment, and what that means.
+    pub fn problems(problems: &Problems) -> Self {
+        if problems.is_input_output() {
+            return Self::System(problems.to_string());
+        }
+        super::notes::tell(&problems.render(true));
+        Self::Usage
+    }
+
     /// The exit code.
     pub fn code(&self) -> u8 {
         match self {
@@ -44,16 +54,17 @@ impl Stop {
             Self::Failed => 1,
             Self::Input(_) | Self::Usage => 2,
             Self::System(_) => 3,
-            Self::Interrupted => 130,
+            Self::Interrupted(_) => 130,
         }
     }
 
     /// What to tell the user, if anything.
     pub fn message(&self) -> Option<&str> {
         match self {
-            Self::Input(message) | Self::System(message) => Some(message),
+            Self::Input(message) | Self::System(message) | Self::Interrupted(message) => {
+                Some(message)
+            }
             Self::ReaderGone | Self::Failed | Self::Usage => None,
-            Self::Interrupted => Some("interrupted"),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The only place where a name in a file meets a type.
 
+use crate::density::{self, Univariate};
 use crate::estimator::{self, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
+use std::sync::Arc;
 
 /// An estimator built from its settings, or what is wrong with them.
 pub type Built = Result<Box<dyn Estimator<1>>, BuildError>;
@@ -50,4 +52,16 @@ pub const ESTIMATORS: &[Entry] = &[
 /// The estimator of that name.
 pub fn estimator(name: &str) -> Option<&'static Entry> {
     ESTIMATORS.iter().find(|entry| entry.name == name)
+}
+
+/// The density of that name, told `values`.
+///
+/// # Errors
+/// If there is none, or the values do not make one.
+pub fn density(name: &str, values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {
+    let unknown = || BuildError {
+        parameter: "density",
+        what: format!("no density is called {name}"),
+    };
+    (density::entry(name).ok_or_else(unknown)?.build)(values)
 }

@@ -11,7 +11,12 @@ pub mod budget;
 pub mod catalogue;
 mod claim;
 mod figure;
+pub mod judge;
+pub mod manifest;
 pub mod read;
+pub mod results;
+pub mod run;
+pub mod table;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};

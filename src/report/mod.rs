@@ -4,4 +4,5 @@
 
 pub mod figure;
 pub mod page;
+pub mod paper;
 pub mod text;

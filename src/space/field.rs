@@ -1,6 +1,7 @@
 //! The trait of everything that has a value at each point.
 
 use super::{Domain, Grid, Point, Raster};
+use serde::{Deserialize, Serialize};
 
 /// Where values are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +36,7 @@ impl<const D: usize> Targets<'_, D> {
 }
 
 /// Something that the reader of a result should know, and what to do about it.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Warning {
     /// What is the matter, in one sentence.
     pub what: String,

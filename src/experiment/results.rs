@@ -1,0 +1,241 @@
+//! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
+
+use super::run::{Bench, Cell, Finished, Record, Replicate};
+use super::{Experiment, Measure};
+use crate::accuracy::{Interval, Tally, mean_interval};
+use crate::numeric::Sum;
+use crate::space::{Grid, Point, Warning};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// The confidence of the intervals in tables and figures; claims name their own.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// Everything that tables, figures and claims are made from.
+pub struct Results {
+    /// One entry for each source and sample size, in order.
+    pub groups: Vec<Group>,
+    /// What the reader should know, and on how many samples it came up.
+    pub warnings: BTreeMap<Warning, usize>,
+}
+
+/// The results for one source and sample size.
+pub struct Group {
+    /// The source, as a position in the experiment.
+    pub source: usize,
+    /// The sample size, as a position among the source's sizes.
+    pub size: usize,
+    /// What the source is called.
+    pub name: String,
+    /// The sample size.
+    pub draws: usize,
+    /// Where everything was evaluated.
+    pub grid: Grid<1>,
+    /// The truth there, where it is known.
+    pub truth: Option<Vec<f64>>,
+    /// One entry for each estimator, in the experiment's order.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// The results of one estimator in one group.
+pub struct Outcome {
+    /// The estimator's name.
+    pub name: String,
+    /// One entry a replicate.
+    pub replicates: Vec<Replicate>,
+    /// Pointwise moments of f̂ - f (of f̂ where the truth is not known) over all replicates.
+    pub tally: Tally,
+    /// The same by blocks, for standard errors by leaving one out.
+    pub blocks: Vec<Tally>,
+    /// Simulated measures with [`CONFIDENCE`] intervals, exact ones without.
+    pub measures: BTreeMap<Measure, Interval>,
+    /// The exact mean of the estimate at each target, where theory gives it.
+    pub expected: Option<Vec<f64>>,
+    /// The engine that computed it, where there was a choice.
+    pub engine: Option<String>,
+}
+
+impl Group {
+    /// The outcome of the estimator of that name.
+    pub fn outcome(&self, name: &str) -> Option<&Outcome> {
+        self.outcomes.iter().find(|outcome| outcome.name == name)
+    }
+
+    /// The integral of the truth over the grid; 1 where the truth is not known.
+    pub fn truth_integral(&self) -> f64 {
+        self.truth.as_ref().map_or(1.0, |truth| {
+            truth.iter().copied().collect::<Sum>().value() * self.grid.cell_measure()
+        })
+    }
+}
+
+impl Outcome {
+    /// The value of a simulated measure on each replicate; `None` for measures that are not means of such values, or where the truth is
+    /// not known.
+    pub fn per_replicate(&self, measure: Measure, truth_integral: f64) -> Option<Vec<f64>> {
+        let value = |r: &Replicate| match measure {
+            Measure::Mise => r.errors.map(|e| e.ise),
+            Measure::Miae => r.errors.map(|e| e.iae),
+            Measure::Mire => r.errors.map(|e| e.ire),
+            Measure::Energy => Some(r.integral / truth_integral),
+            Measure::Modes => Some(r.modes as f64),
+            Measure::Smoothing => r.smoothing,
+            _ => None,
+        };
+        self.replicates.iter().map(value).collect()
+    }
+
+    /// An interval for `measure` at `confidence`; an exact value is an interval of no length.
+    pub fn interval(&self, measure: Measure, confidence: f64, group: &Group) -> Option<Interval> {
+        if let Some(values) = self.per_replicate(measure, group.truth_integral()) {
+            return Some(mean_interval(&values, confidence));
+        }
+        match measure {
+            Measure::Bias2 | Measure::Variance if group.truth.is_some() => {
+                let pick = |d: &crate::accuracy::Decomposition| {
+                    if measure == Measure::Bias2 {
+                        d.bias2
+                    } else {
+                        d.variance
+                    }
+                };
+                let cell = group.grid.cell_measure();
+                let blocks: Vec<&Tally> = self.blocks.iter().collect();
+                match Tally::decompose_blocks(&blocks, cell) {
+                    Some((whole, error)) => Some(Interval::around(
+                        pick(&whole),
+                        pick(&error),
+                        (blocks.len() - 1) as f64,
+                        confidence,
+                    )),
+                    None => self
+                        .tally
+                        .decompose(cell)
+                        .map(|whole| Interval::exact(pick(&whole))),
+                }
+            }
+            _ => self.measures.get(&measure).copied(),
+        }
+    }
+}
+
+impl Results {
+    /// Gathers the records of a finished run. Exact values are computed here, on the same grid.
+    pub fn gather(bench: &Bench, finished: Finished) -> Self {
+        let experiment = bench.experiment();
+        let mut records: BTreeMap<(usize, usize, usize), Vec<Record>> = BTreeMap::new();
+        for (
+            Cell {
+                source,
+                size,
+                estimator,
+                ..
+            },
+            record,
+        ) in finished.records
+        {
+            records
+                .entry((source, size, estimator))
+                .or_default()
+                .push(record);
+        }
+        let mut groups = Vec::new();
+        for (source, spec) in experiment.sources.iter().enumerate() {
+            for (size, setting) in bench.settings(source).iter().enumerate() {
+                let mut group = Group {
+                    source,
+                    size,
+                    name: spec.name().to_owned(),
+                    draws: setting.draws,
+                    grid: setting.grid,
+                    truth: setting.truth.clone(),
+                    outcomes: Vec::new(),
+                };
+                let exact: Vec<Option<Exact>> = (0..experiment.estimators.len())
+                    .into_par_iter()
+                    .map(|e| exact(bench, source, size, e))
+                    .collect();
+                for (e, exact) in exact.into_iter().enumerate() {
+                    let blocks = records.remove(&(source, size, e)).unwrap_or_default();
+                    let outcome = gather_one(experiment, e, blocks, exact, &group);
+                    group.outcomes.push(outcome);
+                }
+                groups.push(group);
+            }
+        }
+        Self {
+            groups,
+            warnings: finished.warnings,
+        }
+    }
+}
+
+struct Exact {
+    bias2: f64,
+    variance: f64,
+    expected: Vec<f64>,
+}
+
+/// Exact moments by theory at the targets, integrated over the grid as the simulated errors are.
+fn exact(bench: &Bench, source: usize, size: usize, estimator: usize) -> Option<Exact> {
+    let setting = bench.setting(source, size);
+    let truth = setting.truth.as_ref()?;
+    let density = bench.truth(source)?;
+    let places: Vec<Point<1>> = setting.grid.centres().collect();
+    let moments = setting.estimators[estimator].expectation(&**density, setting.draws, &places)?;
+    let cell = setting.grid.cell_measure();
+    let bias2: Sum = moments
+        .iter()
+        .zip(truth)
+        .map(|(m, f)| (m.mean - f).powi(2))
+        .collect();
+    let variance: Sum = moments.iter().map(|m| m.variance).collect();
+    Some(Exact {
+        bias2: bias2.value() * cell,
+        variance: variance.value() * cell,
+        expected: moments.iter().map(|m| m.mean).collect(),
+    })
+}
+
+fn gather_one(
+    experiment: &Experiment,
+    estimator: usize,
+    records: Vec<Record>,
+    exact: Option<Exact>,
+    group: &Group,
+) -> Outcome {
+    let mut outcome = Outcome {
+        name: experiment.estimators[estimator].name.clone(),
+        replicates: Vec::new(),
+        tally: Tally::default(),
+        blocks: Vec::new(),
+        measures: BTreeMap::new(),
+        expected: None,
+        engine: None,
+    };
+    for record in records {
+        outcome.replicates.extend(record.replicates);
+        outcome.tally.merge(&record.tally);
+        outcome.blocks.push(record.tally);
+        outcome.engine = outcome.engine.or(record.engine);
+    }
+    for measure in Measure::ALL {
+        if let Some(interval) = outcome.interval(measure, CONFIDENCE, group) {
+            outcome.measures.insert(measure, interval);
+        }
+    }
+    if let Some(exact) = exact {
+        outcome
+            .measures
+            .insert(Measure::ExactBias2, Interval::exact(exact.bias2));
+        outcome
+            .measures
+            .insert(Measure::ExactVariance, Interval::exact(exact.variance));
+        outcome.measures.insert(
+            Measure::ExactMise,
+            Interval::exact(exact.bias2 + exact.variance),
+        );
+        outcome.expected = Some(exact.expected);
+    }
+    outcome
+}

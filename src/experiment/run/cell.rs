@@ -1,0 +1,124 @@
+//! The unit of work: one estimator on one block of replicates.
+
+use super::{Bench, RunError};
+use crate::accuracy::{Errors, Tally};
+use crate::numeric::Sum;
+use crate::random;
+use crate::space::{Field, RIPPLE, Raster, Targets, Warning, modes};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Which cell: positions in the experiment's lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Cell {
+    /// The source.
+    pub source: usize,
+    /// The sample size, as a position in the source's list of sizes.
+    pub size: usize,
+    /// The estimator.
+    pub estimator: usize,
+    /// The block of replicates.
+    pub block: usize,
+}
+
+/// What one estimate on one sample gave.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Replicate {
+    /// Its errors, where the truth is known.
+    pub errors: Option<Errors>,
+    /// ∫f̂ over the grid.
+    pub integral: f64,
+    /// Local maxima on the grid.
+    pub modes: usize,
+    /// The bandwidth or width used, where there is one.
+    pub smoothing: Option<f64>,
+}
+
+/// What a cell gave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// One entry a replicate, in order.
+    pub replicates: Vec<Replicate>,
+    /// Pointwise moments of f̂ - f (of f̂ itself where the truth is not known).
+    pub tally: Tally,
+    /// What the reader should know, and on how many samples it came up.
+    pub warnings: Vec<(Warning, usize)>,
+    /// The engine used, where there was a choice.
+    pub engine: Option<String>,
+}
+
+/// The replicates of a block.
+pub(super) fn replicates(bench: &Bench, block: usize) -> Range<usize> {
+    let length = super::block_length(bench.experiment());
+    block * length..((block + 1) * length).min(bench.experiment().replicates)
+}
+
+/// Computes a cell; `None` if `stop` was raised before its end.
+pub(super) fn compute(
+    bench: &Bench,
+    cell: Cell,
+    stop: &AtomicBool,
+) -> Result<Option<Record>, RunError> {
+    let setting = bench.setting(cell.source, cell.size);
+    let estimator = &setting.estimators[cell.estimator];
+    let measure = setting.grid.cell_measure();
+    let mut record = Record {
+        replicates: Vec::new(),
+        tally: Tally::default(),
+        warnings: Vec::new(),
+        engine: None,
+    };
+    for replicate in replicates(bench, cell.block) {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let sample = bench.sample(cell.source, cell.size, replicate)?;
+        let estimate = estimator.fit(&sample).map_err(|error| {
+            let name = &bench.experiment().estimators[cell.estimator].name;
+            let source = bench.experiment().sources[cell.source].name();
+            RunError::Input(format!("estimator \"{name}\" on sample {replicate} of {} points from \"{source}\": {error}", sample.len()))
+        })?;
+        let evaluation = estimate.evaluate(Targets::Grid(&setting.grid));
+        for warning in evaluation.warnings {
+            match record
+                .warnings
+                .iter_mut()
+                .find(|(known, _)| *known == warning)
+            {
+                Some((_, count)) => *count += 1,
+                None => record.warnings.push((warning, 1)),
+            }
+        }
+        record.engine = record.engine.or(evaluation.engine.map(str::to_owned));
+        let raster = Raster::new(setting.grid, evaluation.values);
+        let values = raster.values();
+        if let Some(place) = values.iter().position(|v| !v.is_finite()) {
+            let x = setting.grid.coordinate(0, place);
+            let name = &bench.experiment().estimators[cell.estimator].name;
+            return Err(RunError::Input(format!(
+                "estimator \"{name}\" gave {} at x = {x} on sample {replicate}",
+                values[place]
+            )));
+        }
+        record.replicates.push(Replicate {
+            errors: setting
+                .truth
+                .as_ref()
+                .map(|truth| Errors::between(values, truth, measure)),
+            integral: values.iter().copied().collect::<Sum>().value() * measure,
+            modes: modes(&raster, RIPPLE.max(2.0 * evaluation.error)).len(),
+            smoothing: estimate.smoothing,
+        });
+        match &setting.truth {
+            Some(truth) => record.tally.add(values, truth),
+            None => record.tally.add(values, &vec![0.0; values.len()]),
+        }
+    }
+    Ok(Some(record))
+}
+
+/// The stream that draws replicate number `replicate`: common to all estimators, sizes and sources, so that comparisons are paired.
+pub(super) fn sampling_stream(seed: u64, replicate: usize) -> random::Stream {
+    random::stream(seed, "sample", replicate as u64)
+}

@@ -1,0 +1,271 @@
+//! Results as tidy CSV: one row an observation, named columns, shortest digits that read back exactly.
+
+use super::Experiment;
+use super::judge::Verdict;
+use super::results::{Outcome, Results};
+use crate::accuracy::compare;
+use crate::experiment::Measure;
+use crate::experiment::results::CONFIDENCE;
+use crate::storage::{StorageError, write_atomically};
+use std::path::Path;
+
+/// A table before it becomes a file.
+pub struct Table {
+    /// The file's name.
+    pub file: &'static str,
+    /// The names of the columns.
+    pub columns: Vec<&'static str>,
+    /// The rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The shortest decimal that reads back as the same number; empty for what does not exist.
+pub fn digits(value: Option<f64>) -> String {
+    value
+        .filter(|v| v.is_finite())
+        .map_or_else(String::new, |v| format!("{v:?}"))
+}
+
+impl Table {
+    /// Writes the table into `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), StorageError> {
+        let path = folder.join(self.file);
+        let bytes = self.to_csv().map_err(StorageError::at(&path, "encoding"))?;
+        write_atomically(&path, &bytes)
+    }
+
+    fn to_csv(&self) -> std::io::Result<Vec<u8>> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(&self.columns)?;
+        for row in &self.rows {
+            writer.write_record(row)?;
+        }
+        writer
+            .into_inner()
+            .map_err(|error| std::io::Error::other(error.to_string()))
+    }
+}
+
+/// One row for each source, size, estimator and measure: value, standard error, interval, exact value.
+pub fn summary(results: &Results) -> Table {
+    let mut rows = Vec::new();
+    for group in &results.groups {
+        for outcome in &group.outcomes {
+            for (&measure, interval) in &outcome.measures {
+                let exact =
+                    exact_counterpart(measure).and_then(|exact| outcome.measures.get(&exact));
+                rows.push(vec![
+                    group.name.clone(),
+                    group.draws.to_string(),
+                    outcome.name.clone(),
+                    measure.name().to_owned(),
+                    digits(Some(interval.value)),
+                    digits(interval.standard_error),
+                    digits(interval.standard_error.map(|_| interval.low)),
+                    digits(interval.standard_error.map(|_| interval.high)),
+                    digits(exact.map(|e| e.value)),
+                    outcome.replicates.len().to_string(),
+                ]);
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "estimator",
+        "measure",
+        "value",
+        "standard_error",
+        "low",
+        "high",
+        "exact",
+        "replicates",
+    ];
+    Table {
+        file: "summary.csv",
+        columns,
+        rows,
+    }
+}
+
+/// The exact measure that a simulated one estimates.
+pub fn exact_counterpart(measure: Measure) -> Option<Measure> {
+    match measure {
+        Measure::Mise => Some(Measure::ExactMise),
+        Measure::Bias2 => Some(Measure::ExactBias2),
+        Measure::Variance => Some(Measure::ExactVariance),
+        _ => None,
+    }
+}
+
+/// One row for each replicate of each estimator.
+pub fn replicates(results: &Results) -> Table {
+    let mut rows = Vec::new();
+    for group in &results.groups {
+        for outcome in &group.outcomes {
+            for (number, replicate) in outcome.replicates.iter().enumerate() {
+                rows.push(vec![
+                    group.name.clone(),
+                    group.draws.to_string(),
+                    outcome.name.clone(),
+                    number.to_string(),
+                    digits(replicate.errors.map(|e| e.ise)),
+                    digits(replicate.errors.map(|e| e.iae)),
+                    digits(replicate.errors.map(|e| e.ire)),
+                    digits(Some(replicate.integral)),
+                    replicate.modes.to_string(),
+                    digits(replicate.smoothing),
+                ]);
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "estimator",
+        "replicate",
+        "ise",
+        "iae",
+        "ire",
+        "integral",
+        "modes",
+        "smoothing",
+    ];
+    Table {
+        file: "replicates.csv",
+        columns,
+        rows,
+    }
+}
+
+/// Estimators compared two at a time on the same samples, for every pair of at most this many estimators; sweeps of hundreds would drown the reader.
+const COMPARED: usize = 16;
+
+/// One row for each pair of estimators and error: the paired difference and ratio of means.
+pub fn pairs(results: &Results) -> Table {
+    let mut rows = Vec::new();
+    for group in results
+        .groups
+        .iter()
+        .filter(|group| group.truth.is_some() && group.outcomes.len() <= COMPARED)
+    {
+        for (i, a) in group.outcomes.iter().enumerate() {
+            for b in &group.outcomes[i + 1..] {
+                for measure in [Measure::Mise, Measure::Miae, Measure::Mire] {
+                    rows.extend(pair(group.name.clone(), group.draws, measure, a, b));
+                }
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "measure",
+        "estimator",
+        "versus",
+        "difference",
+        "standard_error",
+        "low",
+        "high",
+        "ratio",
+        "ratio_standard_error",
+    ];
+    Table {
+        file: "pairs.csv",
+        columns,
+        rows,
+    }
+}
+
+fn pair(
+    source: String,
+    draws: usize,
+    measure: Measure,
+    a: &Outcome,
+    b: &Outcome,
+) -> Option<Vec<String>> {
+    let paired = compare(
+        &a.per_replicate(measure, 1.0)?,
+        &b.per_replicate(measure, 1.0)?,
+        CONFIDENCE,
+    );
+    let difference = paired.difference;
+    Some(vec![
+        source,
+        draws.to_string(),
+        measure.name().to_owned(),
+        a.name.clone(),
+        b.name.clone(),
+        digits(Some(difference.value)),
+        digits(difference.standard_error),
+        digits(difference.standard_error.map(|_| difference.low)),
+        digits(difference.standard_error.map(|_| difference.high)),
+        digits(Some(paired.ratio)),
+        digits(paired.ratio_error),
+    ])
+}
+
+/// One row for each target: the truth, and for each estimator the estimate of the first sample, the mean over replicates, its standard deviation, and the exact mean.
+///
+/// `first[group][estimator]` are the estimates of each group's first sample.
+pub fn curves(results: &Results, first: &[Vec<Vec<f64>>]) -> Table {
+    let mut rows = Vec::new();
+    for (group, estimates) in results.groups.iter().zip(first) {
+        for (outcome, estimate) in group.outcomes.iter().zip(estimates) {
+            let deviation = outcome.tally.deviation();
+            for (i, &value) in estimate.iter().enumerate() {
+                let truth = group.truth.as_ref().map(|truth| truth[i]);
+                rows.push(vec![
+                    group.name.clone(),
+                    group.draws.to_string(),
+                    outcome.name.clone(),
+                    digits(Some(group.grid.coordinate(0, i))),
+                    digits(truth),
+                    digits(Some(value)),
+                    digits(Some(outcome.tally.mean()[i] + truth.unwrap_or(0.0))),
+                    digits(deviation.as_ref().map(|d| d[i])),
+                    digits(outcome.expected.as_ref().map(|e| e[i])),
+                ]);
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "estimator",
+        "x",
+        "truth",
+        "first_sample",
+        "mean",
+        "deviation",
+        "expected",
+    ];
+    Table {
+        file: "curves.csv",
+        columns,
+        rows,
+    }
+}
+
+/// One row for each claim: what it says, whether it holds, and the numbers.
+pub fn claims(experiment: &Experiment, verdicts: &[Verdict]) -> Table {
+    let rows = verdicts
+        .iter()
+        .map(|verdict| {
+            let claim = &experiment.claims[verdict.claim];
+            vec![
+                claim.says.clone(),
+                verdict.outcome.name().to_owned(),
+                verdict.detail.clone(),
+            ]
+        })
+        .collect();
+    Table {
+        file: "claims.csv",
+        columns: vec!["claim", "verdict", "detail"],
+        rows,
+    }
+}

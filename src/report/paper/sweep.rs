@@ -1,0 +1,155 @@
+//! The figure of errors against a swept bandwidth.
+
+use super::Material;
+use crate::experiment::judge::swept;
+use crate::experiment::results::Group;
+use crate::experiment::{Figure, Measure};
+use crate::kernel::{Bandwidth, Shape};
+use crate::report::figure::{Axis, Marker, Measured, Part, Svg, Sweep, Trace};
+use crate::selector::{NormalReference, Scott, Selector, Silverman};
+use crate::theory;
+
+/// The members of the sweep of that name, as positions, by ascending parameter.
+pub(super) fn members(material: &Material<'_>, of: &str) -> Vec<(f64, usize)> {
+    let estimators = &material.bench.experiment().estimators;
+    let mut members: Vec<(f64, usize)> = estimators
+        .iter()
+        .enumerate()
+        .filter_map(|(number, spec)| {
+            let sweep = spec.sweep.as_ref().filter(|sweep| sweep.group == of)?;
+            Some((sweep.value, number))
+        })
+        .collect();
+    members.sort_by(|a, b| a.0.total_cmp(&b.0));
+    members
+}
+
+pub(super) fn draw(
+    material: &Material<'_>,
+    figure: &Figure,
+    group: &Group,
+    of: &str,
+    mark: &[String],
+) -> Svg {
+    let experiment = material.bench.experiment();
+    let trace = |name: &str, part, simulated, exact| Trace {
+        name: name.to_owned(),
+        part,
+        exact: swept(experiment, group, of, exact),
+        measured: members(material, of)
+            .into_iter()
+            .filter_map(|(at, number)| {
+                let interval = group.outcomes[number].measures.get(&simulated)?;
+                Some(Measured {
+                    at,
+                    value: interval.value,
+                    low: interval.low,
+                    high: interval.high,
+                })
+            })
+            .collect(),
+    };
+    Sweep {
+        title: String::new(),
+        description: figure.caption.clone(),
+        x: Axis::new(parameter(material, of), "").logarithmic(),
+        y: Axis::new("integrated squared error", "").logarithmic(),
+        traces: vec![
+            trace("MISE", Part::Total, Measure::Mise, Measure::ExactMise),
+            trace("bias²", Part::Bias, Measure::Bias2, Measure::ExactBias2),
+            trace(
+                "variance",
+                Part::Variance,
+                Measure::Variance,
+                Measure::ExactVariance,
+            ),
+        ],
+        markers: markers(material, group, of, mark),
+        ..Sweep::default()
+    }
+    .draw()
+}
+
+/// What the swept parameter is called on an axis.
+pub(super) fn parameter(material: &Material<'_>, of: &str) -> String {
+    let estimators = &material.bench.experiment().estimators;
+    let name = estimators
+        .iter()
+        .filter_map(|spec| spec.sweep.as_ref())
+        .find(|sweep| sweep.group == of)
+        .map(|sweep| sweep.parameter.as_str());
+    match name {
+        Some("bandwidth") | None => "bandwidth h".to_owned(),
+        Some(other) => other.to_owned(),
+    }
+}
+
+/// The places worth marking: optima by theory, and the median choice of rules of thumb over the first samples.
+pub(super) fn markers(
+    material: &Material<'_>,
+    group: &Group,
+    of: &str,
+    mark: &[String],
+) -> Vec<Marker> {
+    let Some(&(_, number)) = members(material, of).first() else {
+        return Vec::new();
+    };
+    let spec = &material.bench.experiment().estimators[number];
+    let Some(shape) = spec.values.word("shape").and_then(Shape::named) else {
+        return Vec::new();
+    };
+    let oracle = material
+        .bench
+        .truth(group.source)
+        .map(|truth| theory::KernelError::new(&**truth, shape).oracle(group.draws as f64));
+    let rule = |selector: &dyn Selector<1>| typical(material, group, selector, shape);
+    mark.iter()
+        .filter_map(|name| {
+            let at = match name.as_str() {
+                "h_mise" => oracle.as_ref().map(|oracle| oracle.optimum.at),
+                "h_amise" => oracle
+                    .as_ref()
+                    .and_then(|oracle| oracle.asymptotic.as_ref().ok())
+                    .map(theory::Asymptotic::best),
+                "silverman" => rule(&Silverman),
+                "normal-reference" => rule(&NormalReference),
+                "scott" => rule(&Scott),
+                _ => None,
+            }?;
+            let name = match name.as_str() {
+                "h_mise" => "h MISE",
+                "h_amise" => "h AMISE",
+                other => other,
+            };
+            Some(Marker {
+                name: name.to_owned(),
+                at,
+            })
+        })
+        .collect()
+}
+
+/// The median bandwidth that a rule chooses over the first samples.
+fn typical(
+    material: &Material<'_>,
+    group: &Group,
+    selector: &dyn Selector<1>,
+    shape: Shape,
+) -> Option<f64> {
+    const SAMPLES: usize = 25;
+    let replicates = material.bench.experiment().replicates.min(SAMPLES);
+    let mut chosen: Vec<f64> = (0..replicates)
+        .filter_map(|replicate| {
+            let sample = material
+                .bench
+                .sample(group.source, group.size, replicate)
+                .ok()?;
+            match selector.select(&sample, shape).ok()?.bandwidth {
+                Bandwidth::Fixed([h]) => Some(h),
+                _ => None,
+            }
+        })
+        .collect();
+    chosen.sort_by(f64::total_cmp);
+    chosen.get(chosen.len() / 2).copied()
+}

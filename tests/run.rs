@@ -1,0 +1,262 @@
+//! The run machinery: the same numbers for any number of threads, after any interruption, from any damage.
+#![allow(clippy::unwrap_used)]
+
+use density_lab::experiment::results::Results;
+use density_lab::experiment::run::{Bench, Existing, Opening, RunError, RunFolder, Silent, run};
+use density_lab::experiment::{EstimatorSpec, Experiment, GridSpec, SourceSpec, table};
+use density_lab::parameter::{Value, Values};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+fn kernel(name: &str, bandwidth: f64) -> EstimatorSpec {
+    let mut values = Values::default();
+    values.set("shape", Value::Word("gaussian".to_owned()));
+    values.set("bandwidth", Value::Number(bandwidth));
+    EstimatorSpec {
+        name: name.to_owned(),
+        kind: "kernel".to_owned(),
+        values,
+        sweep: None,
+    }
+}
+
+fn experiment() -> Experiment {
+    let source = SourceSpec::Density {
+        name: "bimodal".to_owned(),
+        kind: "bimodal".to_owned(),
+        values: Values::default(),
+    };
+    Experiment {
+        name: "test".to_owned(),
+        question: "Is it the same?".to_owned(),
+        notes: String::new(),
+        seed: 3,
+        sources: vec![source],
+        draws: vec![50, 80],
+        replicates: 64,
+        grid: Some(GridSpec {
+            low: -4.0,
+            high: 4.0,
+            cells: 64,
+        }),
+        estimators: vec![kernel("narrow", 0.2), kernel("wide", 0.7)],
+        figures: Vec::new(),
+        claims: Vec::new(),
+    }
+}
+
+fn open(place: &Path, experiment: &Experiment, existing: Existing) -> RunFolder {
+    match RunFolder::open(place, experiment, existing).unwrap() {
+        Opening::Open(folder) => folder,
+        Opening::Finished(path) => panic!("{} is finished", path.display()),
+    }
+}
+
+/// All tables of a run as one text.
+fn tables(bench: &Bench, folder: &RunFolder) -> String {
+    let finished = run(bench, folder, &AtomicBool::new(false), &Silent).unwrap();
+    let results = Results::gather(bench, finished);
+    let out = folder.fresh("tables").unwrap();
+    let mut text = String::new();
+    for table in [
+        table::summary(&results),
+        table::replicates(&results),
+        table::pairs(&results),
+    ] {
+        table.write(&out).unwrap();
+        text += &std::fs::read_to_string(out.join(table.file)).unwrap();
+    }
+    text
+}
+
+fn on_threads(threads: usize) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench::new(experiment()).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    let opened = open(
+        &folder.path().join("run"),
+        bench.experiment(),
+        Existing::Continue,
+    );
+    pool.install(|| tables(&bench, &opened))
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let one = on_threads(1);
+    assert!(one.lines().count() > 2 * 2 * 64);
+    assert_eq!(one, on_threads(2));
+    assert_eq!(one, on_threads(7));
+}
+
+/// Raises the flag after some units of work.
+struct Impatient<'a> {
+    seen: AtomicU64,
+    limit: u64,
+    stop: &'a AtomicBool,
+}
+
+impl density_lab::experiment::run::Progress for Impatient<'_> {
+    fn begin(&self, _total: u64, _done: u64) {}
+
+    fn advance(&self, _units: u64) {
+        if self.seen.fetch_add(1, Ordering::Relaxed) + 1 >= self.limit {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_run_goes_on_to_the_same_bits() {
+    let whole = on_threads(2);
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    let bench = Bench::new(experiment()).unwrap();
+    for limit in [1, 3, 10] {
+        let opened = open(&place, bench.experiment(), Existing::Continue);
+        let stop = AtomicBool::new(false);
+        let outcome = run(
+            &bench,
+            &opened,
+            &stop,
+            &Impatient {
+                seen: AtomicU64::new(0),
+                limit,
+                stop: &stop,
+            },
+        );
+        assert!(
+            matches!(outcome, Err(RunError::Interrupted { done, total }) if 0 < done && done < total)
+        );
+    }
+    assert_eq!(
+        tables(
+            &bench,
+            &open(&place, bench.experiment(), Existing::Continue)
+        ),
+        whole
+    );
+}
+
+fn journal(place: &Path) -> Vec<PathBuf> {
+    let folder = place.with_file_name("run.partial").join("journal");
+    std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect()
+}
+
+#[test]
+fn damaged_records_are_computed_again() {
+    let whole = on_threads(2);
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    let bench = Bench::new(experiment()).unwrap();
+    assert_eq!(
+        tables(
+            &bench,
+            &open(&place, bench.experiment(), Existing::Continue)
+        ),
+        whole
+    );
+    for (number, path) in journal(&place).into_iter().enumerate() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        match number % 4 {
+            0 => std::fs::write(&path, &text[..text.len() / 3]).unwrap(),
+            1 => std::fs::write(&path, text.replacen("\"ise\":0.0", "\"ise\":0.1", 1)).unwrap(),
+            2 => std::fs::remove_file(&path).unwrap(),
+            _ => {}
+        }
+    }
+    assert_eq!(
+        tables(
+            &bench,
+            &open(&place, bench.experiment(), Existing::Continue)
+        ),
+        whole
+    );
+}
+
+#[test]
+fn another_experiment_does_not_see_the_journal_of_this_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    let bench = Bench::new(experiment()).unwrap();
+    let mine = tables(
+        &bench,
+        &open(&place, bench.experiment(), Existing::Continue),
+    );
+    let other = Bench::new(Experiment {
+        seed: 4,
+        ..experiment()
+    })
+    .unwrap();
+    assert_ne!(
+        tables(
+            &other,
+            &open(&place, other.experiment(), Existing::Continue)
+        ),
+        mine
+    );
+}
+
+#[test]
+fn a_folder_of_something_else_is_never_touched() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("thesis");
+    std::fs::create_dir(&place).unwrap();
+    std::fs::write(place.join("chapter1.tex"), "years of work").unwrap();
+    for existing in [Existing::Continue, Existing::Replace] {
+        let Err(error) = RunFolder::open(&place, &experiment(), existing) else {
+            panic!("must be refused")
+        };
+        assert!(
+            error.to_string().contains("not a run of this laboratory"),
+            "{error}"
+        );
+    }
+    assert_eq!(
+        std::fs::read_to_string(place.join("chapter1.tex")).unwrap(),
+        "years of work"
+    );
+    assert!(!folder.path().join("thesis.partial").exists());
+}
+
+#[test]
+fn two_processes_do_not_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    let _first = open(&place, &experiment(), Existing::Continue);
+    let Err(error) = RunFolder::open(&place, &experiment(), Existing::Continue) else {
+        panic!("must be refused")
+    };
+    assert!(error.to_string().contains("another process"), "{error}");
+}
+
+#[test]
+fn simulated_errors_agree_with_a_stand_in_whose_errors_are_known() {
+    // the mean of ISE splits into bias² and variance up to the correction for the mean's own variance
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench::new(experiment()).unwrap();
+    let opened = open(
+        &folder.path().join("run"),
+        bench.experiment(),
+        Existing::Continue,
+    );
+    let finished = run(&bench, &opened, &AtomicBool::new(false), &Silent).unwrap();
+    let results = Results::gather(&bench, finished);
+    for group in &results.groups {
+        for outcome in &group.outcomes {
+            use density_lab::experiment::Measure;
+            let [mise, bias2, variance] = [Measure::Mise, Measure::Bias2, Measure::Variance]
+                .map(|measure| outcome.measures[&measure].value);
+            assert!(
+                (mise - bias2 - variance).abs() < 1e-12 * mise,
+                "{mise} {bias2} {variance}"
+            );
+        }
+    }
+}
