@@ -13,6 +13,7 @@ use crate::experiment::{Experiment, read};
 use crate::report::paper::{self, Material};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,6 +23,10 @@ use std::time::Instant;
 /// Finished work is kept: the same command after an interruption goes on where it stopped, and after the end shows what was found. Results do
 /// not depend on interruptions or on the number of threads.
 #[derive(Debug, Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "independent flags of a command line"
+)]
 #[command(after_help = "\
 Examples:
   lab run experiments/bimodal.toml
@@ -82,7 +87,7 @@ impl Run {
                 ));
                 let past =
                     manifest::read(&path).map_err(|error| Stop::System(error.to_string()))?;
-                self.print(&experiment, &past.verdicts, past.summary, &path)?;
+                self.print(&experiment, &past.verdicts, &past.summary, &path)?;
                 past.verdicts
             }
             Opening::Open(folder) => self.compute(experiment, folder, notes)?,
@@ -155,7 +160,7 @@ impl Run {
         self.print(
             bench.experiment(),
             &lines,
-            SummaryRow::all(&results),
+            &SummaryRow::all(&results),
             &place,
         )?;
         Ok(lines)
@@ -165,14 +170,14 @@ impl Run {
         &self,
         experiment: &Experiment,
         lines: &[Line],
-        rows: Vec<SummaryRow>,
+        rows: &[SummaryRow],
         place: &Path,
     ) -> Result<(), Stop> {
         let mut output = Output::open(None)?;
         let text = if self.json {
-            summary::json(experiment, lines, &rows, place)
+            summary::json(experiment, lines, rows, place)
         } else {
-            summary::text(experiment, lines, &rows, place)
+            summary::text(experiment, lines, rows, place)
         };
         output.write_all(text.as_bytes())?;
         output.finish()
@@ -182,10 +187,10 @@ impl Run {
     fn command(&self, experiment: &Experiment) -> String {
         let mut command = format!("lab run {}", quoted(&self.experiment.display().to_string()));
         if let Some(seed) = self.seed {
-            command += &format!(" --seed {seed}");
+            let _ = write!(command, " --seed {seed}");
         }
         if self.replicates.is_some() {
-            command += &format!(" --replicates {}", experiment.replicates);
+            let _ = write!(command, " --replicates {}", experiment.replicates);
         }
         if self.quick {
             command += " --quick";

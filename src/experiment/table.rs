@@ -211,10 +211,10 @@ fn pair(
 /// One row for each target: the truth, and for each estimator the estimate of the first sample, the mean over replicates, its standard deviation, and the exact mean.
 ///
 /// `first[group][estimator]` are the estimates of each group's first sample.
-pub fn curves(results: &Results, first: &[Vec<Vec<f64>>]) -> Table {
+pub fn curves(results: &Results, first: &[&[Vec<f64>]]) -> Table {
     let mut rows = Vec::new();
     for (group, estimates) in results.groups.iter().zip(first) {
-        for (outcome, estimate) in group.outcomes.iter().zip(estimates) {
+        for (outcome, estimate) in group.outcomes.iter().zip(*estimates) {
             let deviation = outcome.tally.deviation();
             for (i, &value) in estimate.iter().enumerate() {
                 let truth = group.truth.as_ref().map(|truth| truth[i]);

@@ -70,6 +70,8 @@ pub struct Warning {
 pub struct Page {
     /// The question, which is the title.
     pub question: String,
+    /// What the reader should know before the answer; paragraphs separated by empty lines.
+    pub notes: String,
     /// The claims.
     pub claims: Vec<Verdict>,
     /// What was run: source, sample size, replicates, seed, estimators, as (name, value).
@@ -159,6 +161,14 @@ impl Page {
         };
         if !summary.is_empty() {
             let _ = writeln!(body, "<p class=\"summary\">{summary}</p>");
+        }
+        for paragraph in self
+            .notes
+            .split("\n\n")
+            .map(str::trim)
+            .filter(|text| !text.is_empty())
+        {
+            let _ = writeln!(body, "<p>{}</p>", escape(paragraph));
         }
         body.push_str("</header>\n");
     }

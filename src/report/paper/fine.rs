@@ -16,6 +16,8 @@ pub struct First {
     pub truth: Option<Vec<f64>>,
     /// One curve an estimator.
     pub estimates: Vec<Vec<f64>>,
+    /// The same on the grid that errors were measured on.
+    pub coarse: Vec<Vec<f64>>,
     /// Whether each estimator's curves are step functions.
     pub stepped: Vec<bool>,
     /// The data.
@@ -63,6 +65,7 @@ impl Fine {
                     .truth(group.source)
                     .map(|density| density.on(&grid).into_values()),
                 estimates: evaluate(bench, group, &grid)?,
+                coarse: evaluate(bench, group, &group.grid)?,
                 stepped: setting
                     .estimators
                     .iter()
@@ -77,18 +80,6 @@ impl Fine {
         Ok(Self {
             groups: groups.collect::<Result<_, RunError>>()?,
         })
-    }
-
-    /// The same estimates on the grids that errors were measured on, for the table of curves.
-    ///
-    /// # Errors
-    /// As [`Fine::of`].
-    pub fn coarse(&self, bench: &Bench, results: &Results) -> Result<Vec<Vec<Vec<f64>>>, RunError> {
-        results
-            .groups
-            .iter()
-            .map(|group| evaluate(bench, group, &group.grid))
-            .collect()
     }
 }
 

@@ -43,12 +43,17 @@ pub fn write(material: &Material<'_>, folder: &RunFolder) -> Result<(), RunError
         circumstances,
     } = material;
     let fine = Fine::of(bench, results)?;
+    let first: Vec<&[Vec<f64>]> = fine
+        .groups
+        .iter()
+        .map(|first| first.coarse.as_slice())
+        .collect();
     let tables = folder.fresh("tables")?;
     for table in [
         table::summary(results),
         table::replicates(results),
         table::pairs(results),
-        table::curves(results, &fine.coarse(bench, results)?),
+        table::curves(results, &first),
         table::claims(bench.experiment(), verdicts),
     ] {
         if !table.rows.is_empty() {

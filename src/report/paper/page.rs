@@ -1,6 +1,365 @@
-//! x
-use super::pictures::Picture;
+//! The report page of a run.
+
+use super::fine::First;
+use super::pictures::{Picture, place_axis};
+use super::sweep::{members, parameter, traces};
 use super::{Fine, Material};
-pub(super) fn compose(_m: &Material<'_>, _f: &Fine, _p: Vec<Picture>) -> String {
-    String::new()
+use crate::accuracy::compare;
+use crate::experiment::judge::{Ruling, short};
+use crate::experiment::manifest::{REVISION, VERSION};
+use crate::experiment::results::{Group, Outcome};
+use crate::experiment::table::exact_counterpart;
+use crate::experiment::{Measure, SourceSpec};
+use crate::kernel::{Kernel, Shape};
+use crate::random::GENERATOR;
+use crate::report::figure::{Axis, Sweep};
+use crate::report::page::{
+    self, Cell, Errors, Figure, Page, Slider, Step, Table, Verdict, Warning,
+};
+
+/// Pairs are compared in the page for at most so many estimators; the table on disk has more.
+const PAIRED: usize = 5;
+
+pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Picture>) -> String {
+    let experiment = material.bench.experiment();
+    let mut tables: Vec<Table> = material
+        .results
+        .groups
+        .iter()
+        .map(|group| errors(material, group))
+        .collect();
+    tables.extend(material.results.groups.iter().filter_map(pairs));
+    Page {
+        question: experiment.question.clone(),
+        notes: experiment.notes.clone(),
+        claims: claims(material),
+        facts: facts(material),
+        warnings: warnings(material),
+        slider: slider(material, fine),
+        figures: pictures
+            .into_iter()
+            .map(|p| Figure {
+                title: p.title,
+                caption: p.caption,
+                svg: p.svg,
+            })
+            .collect(),
+        tables,
+        command: material.circumstances.command.clone(),
+        versions: vec![
+            ("lab".to_owned(), VERSION.to_owned()),
+            ("revision of the sources".to_owned(), REVISION.to_owned()),
+            ("random numbers".to_owned(), GENERATOR.to_owned()),
+        ],
+    }
+    .render()
+}
+
+fn claims(material: &Material<'_>) -> Vec<Verdict> {
+    let experiment = material.bench.experiment();
+    let verdicts = material.verdicts.iter().map(|verdict| Verdict {
+        text: experiment.claims[verdict.claim].says.clone(),
+        outcome: match verdict.outcome {
+            Ruling::Holds => page::Outcome::Pass,
+            // too few replicates were run to say more
+            Ruling::Fails if material.circumstances.quick => page::Outcome::Undecided,
+            Ruling::Fails => page::Outcome::Fail,
+        },
+        detail: verdict.detail.clone(),
+    });
+    verdicts.collect()
+}
+
+fn facts(material: &Material<'_>) -> Vec<(String, String)> {
+    let experiment = material.bench.experiment();
+    let mut facts: Vec<(&str, String)> = Vec::new();
+    let sources = experiment.sources.iter().map(|source| match source {
+        SourceSpec::Density { name, .. } => format!("density {name}"),
+        SourceSpec::File {
+            path,
+            column,
+            weight,
+            ..
+        } => {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            let weight = weight
+                .as_ref()
+                .map_or_else(String::new, |weight| format!(", weighted by {weight}"));
+            format!("{file}, column {column}{weight}")
+        }
+    });
+    facts.push(("Source", sources.collect::<Vec<_>>().join("; ")));
+    let mut sizes: Vec<String> = material
+        .results
+        .groups
+        .iter()
+        .map(|group| group.draws.to_string())
+        .collect();
+    sizes.dedup();
+    facts.push(("Sample size n", sizes.join(", ")));
+    if material
+        .results
+        .groups
+        .iter()
+        .any(|group| group.truth.is_some())
+    {
+        let quick = if material.circumstances.quick {
+            " (a quick run: fewer than the file asks for)"
+        } else {
+            ""
+        };
+        facts.push(("Replicates", format!("{}{quick}", experiment.replicates)));
+        facts.push(("Seed", experiment.seed.to_string()));
+    }
+    let mut grids: Vec<String> = material
+        .results
+        .groups
+        .iter()
+        .map(|group| grid(group))
+        .collect();
+    grids.dedup();
+    facts.push((
+        "Grid",
+        if grids.len() == 1 {
+            grids.remove(0)
+        } else {
+            "one per source, chosen from its bulk".to_owned()
+        },
+    ));
+    let mut engines: Vec<&str> = material
+        .results
+        .groups
+        .iter()
+        .flat_map(|g| &g.outcomes)
+        .filter_map(|o| o.engine.as_deref())
+        .collect();
+    engines.sort_unstable();
+    engines.dedup();
+    if !engines.is_empty() {
+        facts.push(("Engines", engines.join(", ")));
+    }
+    facts
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
+fn grid(group: &Group) -> String {
+    let ([low], [high], [cells]) = (group.grid.low(), group.grid.high(), group.grid.cells());
+    format!("{cells} cells from {} to {}", short(low), short(high))
+}
+
+fn warnings(material: &Material<'_>) -> Vec<Warning> {
+    let warnings = material
+        .results
+        .warnings
+        .iter()
+        .map(|(warning, count)| Warning {
+            text: if *count > 1 {
+                format!("{} (on {count} estimates)", warning.what)
+            } else {
+                warning.what.clone()
+            },
+            hint: warning.hint.clone(),
+        });
+    warnings.collect()
+}
+
+/// The kernel of an estimator, where it has one.
+fn kernel_of(material: &Material<'_>, number: usize) -> Option<Shape> {
+    let spec = &material.bench.experiment().estimators[number];
+    match spec.kind.as_str() {
+        "naive" => Some(Shape::Uniform),
+        _ => spec.values.word("shape").and_then(Shape::named),
+    }
+}
+
+fn errors(material: &Material<'_>, group: &Group) -> Table {
+    let known = group.truth.is_some();
+    let kernels: Vec<Option<Shape>> = (0..group.outcomes.len())
+        .map(|number| kernel_of(material, number))
+        .collect();
+    let comparable = kernels.iter().any(Option::is_some);
+    let mut columns = vec!["estimator", "h"];
+    if comparable {
+        columns.extend(["h √k₂", "h / δ₀"]);
+    }
+    if known {
+        columns.extend([
+            "MISE", "exact", "bias²", "exact", "variance", "exact", "MIAE", "MIRE",
+        ]);
+    }
+    columns.extend(["energy", "modes"]);
+    let rows = group
+        .outcomes
+        .iter()
+        .zip(&kernels)
+        .map(|(outcome, kernel)| {
+            let h = outcome.measures.get(&Measure::Smoothing).map(|m| m.value);
+            let scaled = |scale: &dyn Fn(Shape) -> f64| {
+                h.zip(*kernel)
+                    .map_or(Cell::Empty, |(h, kernel)| Cell::exact(h * scale(kernel)))
+            };
+            let mut row = vec![
+                Cell::text(&outcome.name),
+                h.map_or(Cell::Empty, Cell::exact),
+            ];
+            if comparable {
+                row.extend([
+                    scaled(&|kernel| kernel.variance().sqrt()),
+                    scaled(&|kernel| kernel.canonical_scale().recip()),
+                ]);
+            }
+            if known {
+                for measure in [Measure::Mise, Measure::Bias2, Measure::Variance] {
+                    row.push(cell(outcome, measure));
+                    row.push(
+                        exact_counterpart(measure)
+                            .map_or(Cell::Empty, |exact| cell(outcome, exact)),
+                    );
+                }
+                row.extend([Measure::Miae, Measure::Mire].map(|measure| cell(outcome, measure)));
+            }
+            row.extend([Measure::Energy, Measure::Modes].map(|measure| cell(outcome, measure)));
+            row
+        });
+    Table {
+        title: format!("{}, n = {}", group.name, group.draws),
+        caption: if known {
+            "Means over the replicates ± standard errors beside the exact values; bandwidths also as the kernel's deviation h √k₂ and as the canonical \
+             bandwidth h / δ₀, in which kernels compare. MIRE where the truth is at least 1 % of its peak. Energy: integral over the grid relative to the truth's."
+                .to_owned()
+        } else {
+            "No true density is known: no errors. Bandwidths also as the kernel's deviation h √k₂ and as the canonical bandwidth h / δ₀, in which kernels compare; \
+             energy is the integral over the grid."
+                .to_owned()
+        },
+        rows: rows.collect(),
+        columns: columns.into_iter().map(str::to_owned).collect(),
+    }
+}
+
+fn cell(outcome: &Outcome, measure: Measure) -> Cell {
+    outcome
+        .measures
+        .get(&measure)
+        .map_or(Cell::Empty, |m| match m.standard_error {
+            Some(error) if error > 0.0 => Cell::measured(m.value, error),
+            _ => Cell::exact(m.value),
+        })
+}
+
+fn pairs(group: &Group) -> Option<Table> {
+    let few = (2..=PAIRED).contains(&group.outcomes.len());
+    if group.truth.is_none() || !few || group.outcomes.first()?.replicates.len() < 2 {
+        return None;
+    }
+    let mut rows = Vec::new();
+    for (i, a) in group.outcomes.iter().enumerate() {
+        for b in &group.outcomes[i + 1..] {
+            let mut row = vec![Cell::text(&a.name), Cell::text(&b.name)];
+            for measure in [Measure::Mise, Measure::Miae, Measure::Mire] {
+                let paired = compare(
+                    &a.per_replicate(measure, 1.0)?,
+                    &b.per_replicate(measure, 1.0)?,
+                    0.95,
+                );
+                row.push(match paired.ratio_error {
+                    Some(error) if error > 0.0 => Cell::measured(paired.ratio, error),
+                    _ => Cell::exact(paired.ratio),
+                });
+            }
+            rows.push(row);
+        }
+    }
+    Some(Table {
+        title: format!("In pairs: {}, n = {}", group.name, group.draws),
+        caption: "Ratio of mean errors on the same samples ± standard error.".to_owned(),
+        columns: [
+            "estimator",
+            "against",
+            "MISE ratio",
+            "MIAE ratio",
+            "MIRE ratio",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        rows,
+    })
+}
+
+/// The slider for the first sweep of the experiment.
+fn slider(material: &Material<'_>, fine: &Fine) -> Option<Slider> {
+    let experiment = material.bench.experiment();
+    let of = &experiment
+        .estimators
+        .iter()
+        .find_map(|spec| spec.sweep.as_ref())?
+        .group;
+    let (group, first) = (material.results.groups.first()?, fine.groups.first()?);
+    let members = members(material, of);
+    let steps: Vec<Step> = members
+        .iter()
+        .map(|&(bandwidth, number)| step(group, first, bandwidth, number))
+        .collect();
+    let mise = |step: &Step| {
+        step.exact
+            .or(step.measured)
+            .map_or(f64::INFINITY, |errors| errors.mise.0)
+    };
+    let start = (0..steps.len())
+        .min_by(|&a, &b| mise(&steps[a]).total_cmp(&mise(&steps[b])))
+        .unwrap_or(0);
+    Some(Slider {
+        caption: format!(
+            "{of}: the first sample of {} points from {}",
+            group.draws, group.name
+        ),
+        x: place_axis(material, group),
+        y: Axis::new("density", ""),
+        grid: group.grid.centres().map(|[x]| x).collect(),
+        truth: group.truth.clone(),
+        data: first.data.clone(),
+        start,
+        errors: group.truth.is_some().then(|| Sweep {
+            description: "Errors against the swept parameter".to_owned(),
+            x: Axis::new(parameter(material, of), "").logarithmic(),
+            y: Axis::new("integrated squared error", "").logarithmic(),
+            traces: traces(material, group, of),
+            ..Sweep::default()
+        }),
+        steps,
+    })
+}
+
+fn step(group: &Group, first: &First, bandwidth: f64, number: usize) -> Step {
+    let outcome = &group.outcomes[number];
+    let value = |measure| {
+        outcome
+            .measures
+            .get(&measure)
+            .map(|m| (m.value, m.standard_error))
+    };
+    let errors = |mise, bias2, variance| {
+        Some(Errors {
+            mise: value(mise)?,
+            bias2: value(bias2)?,
+            variance: value(variance)?,
+        })
+    };
+    Step {
+        bandwidth,
+        estimate: first.coarse[number].clone(),
+        exact: errors(
+            Measure::ExactMise,
+            Measure::ExactBias2,
+            Measure::ExactVariance,
+        ),
+        measured: errors(Measure::Mise, Measure::Bias2, Measure::Variance),
+        ise: outcome
+            .replicates
+            .first()
+            .and_then(|replicate| replicate.errors)
+            .map(|errors| errors.ise),
+    }
 }

@@ -24,18 +24,19 @@ pub(super) fn members(material: &Material<'_>, of: &str) -> Vec<(f64, usize)> {
     members
 }
 
-pub(super) fn draw(
+/// One part of the error along a sweep, simulated and exact.
+fn trace(
     material: &Material<'_>,
-    figure: &Figure,
     group: &Group,
     of: &str,
-    mark: &[String],
-) -> Svg {
-    let experiment = material.bench.experiment();
-    let trace = |name: &str, part, simulated, exact| Trace {
+    (name, part): (&str, Part),
+    simulated: Measure,
+    exact: Measure,
+) -> Trace {
+    Trace {
         name: name.to_owned(),
         part,
-        exact: swept(experiment, group, of, exact),
+        exact: swept(material.bench.experiment(), group, of, exact),
         measured: members(material, of)
             .into_iter()
             .filter_map(|(at, number)| {
@@ -48,26 +49,44 @@ pub(super) fn draw(
                 })
             })
             .collect(),
-    };
+    }
+}
+
+pub(super) fn draw(
+    material: &Material<'_>,
+    figure: &Figure,
+    group: &Group,
+    of: &str,
+    mark: &[String],
+) -> Svg {
     Sweep {
         title: String::new(),
         description: figure.caption.clone(),
         x: Axis::new(parameter(material, of), "").logarithmic(),
         y: Axis::new("integrated squared error", "").logarithmic(),
-        traces: vec![
-            trace("MISE", Part::Total, Measure::Mise, Measure::ExactMise),
-            trace("bias²", Part::Bias, Measure::Bias2, Measure::ExactBias2),
-            trace(
-                "variance",
-                Part::Variance,
-                Measure::Variance,
-                Measure::ExactVariance,
-            ),
-        ],
+        traces: traces(material, group, of),
         markers: markers(material, group, of, mark),
         ..Sweep::default()
     }
     .draw()
+}
+
+/// MISE and its two parts along a sweep.
+pub(super) fn traces(material: &Material<'_>, group: &Group, of: &str) -> Vec<Trace> {
+    [
+        ("MISE", Part::Total, Measure::Mise, Measure::ExactMise),
+        ("bias²", Part::Bias, Measure::Bias2, Measure::ExactBias2),
+        (
+            "variance",
+            Part::Variance,
+            Measure::Variance,
+            Measure::ExactVariance,
+        ),
+    ]
+    .map(|(name, part, simulated, exact)| {
+        trace(material, group, of, (name, part), simulated, exact)
+    })
+    .to_vec()
 }
 
 /// What the swept parameter is called on an axis.
