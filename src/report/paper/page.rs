@@ -111,12 +111,7 @@ fn facts(material: &Material<'_>) -> Vec<(String, String)> {
         facts.push(("Replicates", format!("{}{quick}", experiment.replicates)));
         facts.push(("Seed", experiment.seed.to_string()));
     }
-    let mut grids: Vec<String> = material
-        .results
-        .groups
-        .iter()
-        .map(|group| grid(group))
-        .collect();
+    let mut grids: Vec<String> = material.results.groups.iter().map(grid).collect();
     grids.dedup();
     facts.push((
         "Grid",
