@@ -1,11 +1,13 @@
 //! `lab estimate`
 
 use super::argument;
+use super::estimator::Settings;
 use super::notes::Notes;
 use super::output::{Output, Shortest};
 use super::phases::Phases;
 use super::stop::Stop;
-use crate::estimator::{Context, Estimator};
+use crate::estimator::Context;
+use crate::report::figure::{Axis, Curves, Role, Series};
 use crate::sample::Sample;
 use crate::sample::file::{Column, Request, read, read_points};
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets};
@@ -29,7 +31,7 @@ Columns are named by the header, or by number from 1. Estimators are written as 
 
 Examples:
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
-      --estimator 'kernel = { bandwidth = 0.25 }' --grid 0:6:600 -o density.csv
+      --estimator 'kernel = { bandwidth = 0.25 }' --grid 0:6:600 -o density.svg
   lab estimate points.npy --estimator 'kernel = { bandwidth = \"scott\" }' --explain
   cut -d, -f3 table.csv | lab estimate - --estimator 'histogram = { width = 1 }' --at places.csv
 
@@ -70,7 +72,7 @@ pub struct Estimate {
     #[arg(long)]
     explain: bool,
 
-    /// Where to: a .csv file [default: stdout]
+    /// Where to: a .csv file, or an .svg picture [default: CSV on stdout]
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
 }
@@ -92,21 +94,24 @@ impl Places {
 
 impl Estimate {
     pub fn run(&self, notes: Notes) -> Result<(), Stop> {
-        let settings = super::estimator::read(&self.estimator, self.engine.as_deref())?;
+        let settings = Settings::read(&self.estimator, self.engine.as_deref())?;
+        let ending = self.output.as_deref().and_then(Path::extension);
+        let drawn = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
         let mut output = Output::open(self.output.as_deref())?;
         let mut phases = Phases::default();
 
         let (sample, given) = phases.time("read", || self.read())?;
         // what an estimator puts off until it is asked is done under `evaluate`
-        let estimate = phases.time("fit", || {
+        let (estimate, continuous) = phases.time("fit", || -> Result<_, Stop> {
             let context = Context {
                 truth: None,
                 draws: sample.len(),
             };
-            let estimator: Box<dyn Estimator<1>> = settings.build(&context)?;
-            estimator
+            let estimator = settings.build(&context)?;
+            let estimate = estimator
                 .fit(&sample)
-                .map_err(|error| Stop::Input(format!("--estimator: {error}")))
+                .map_err(|error| Stop::Input(format!("--estimator: {error}")))?;
+            Ok((estimate, estimator.laws().continuous))
         })?;
         let (places, evaluation) = phases.time("evaluate", || -> Result<_, Stop> {
             let places = match given {
@@ -122,7 +127,19 @@ impl Estimate {
             Ok((places, evaluation))
         })?;
         phases.time("write", || {
-            write(&mut output, &places, &evaluation)?;
+            if drawn {
+                let picture = picture(
+                    &settings,
+                    self.column.as_deref(),
+                    &sample,
+                    &places,
+                    &evaluation,
+                    continuous,
+                );
+                output.write_all(picture.as_bytes())?;
+            } else {
+                table(&mut output, &places, &evaluation)?;
+            }
             output.finish()
         })?;
 
@@ -183,12 +200,63 @@ fn around(sample: &Sample<1>, smoothing: Option<f64>) -> Result<Grid<1>, Stop> {
     })
 }
 
-fn write(output: &mut Output, places: &Places, evaluation: &Evaluation) -> Result<(), Stop> {
+fn table(output: &mut Output, places: &Places, evaluation: &Evaluation) -> Result<(), Stop> {
     output.write_all(b"x,density\n")?;
     for ([x], &density) in places.targets().places().zip(&evaluation.values) {
         writeln!(output, "{},{}", Shortest(x), Shortest(density))?;
     }
     Ok(())
+}
+
+/// The estimate over its data.
+fn picture(
+    settings: &Settings,
+    column: Option<&str>,
+    sample: &Sample<1>,
+    places: &Places,
+    evaluation: &Evaluation,
+    continuous: bool,
+) -> String {
+    // more ticks than this are a grey bar at any size
+    const TICKS: usize = 100_000;
+    let mut curve: Vec<(f64, f64)> = places
+        .targets()
+        .places()
+        .map(|[x]| x)
+        .zip(evaluation.values.iter().copied())
+        .collect();
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut x, y): (Vec<f64>, Vec<f64>) = curve.into_iter().unzip();
+    let role = match places {
+        Places::Grid(grid) if !continuous => {
+            x = (0..=grid.len())
+                .map(|i| (i as f64).mul_add(grid.width(0), grid.low()[0]))
+                .collect();
+            Role::Steps(0)
+        }
+        _ => Role::Estimate(0),
+    };
+    Curves {
+        title: settings.name().to_owned(),
+        description: format!("The estimated density of {} points.", sample.len()),
+        x: Axis::new(column.unwrap_or("x"), ""),
+        y: Axis::new("density", ""),
+        series: vec![Series {
+            name: "estimate".to_owned(),
+            x,
+            y,
+            role,
+        }],
+        rug: sample
+            .coordinates()
+            .iter()
+            .step_by(sample.len().div_ceil(TICKS))
+            .copied()
+            .collect(),
+        ..Curves::default()
+    }
+    .draw()
+    .to_string()
 }
 
 fn explain(

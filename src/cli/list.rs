@@ -5,9 +5,10 @@ use super::output::Output;
 use super::stop::Stop;
 use crate::boundary::{self, Boundary};
 use crate::density;
+use crate::engine::{Binned, Direct, Engine, Hermite};
 use crate::experiment::catalogue::ESTIMATORS;
 use crate::kernel::{Kernel, Shape};
-use crate::parameter::{Absent, Kind, Parameter};
+use crate::parameter::{Absent, Parameter};
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -224,7 +225,18 @@ fn selectors() -> Vec<Row> {
 }
 
 fn engines() -> Vec<Row> {
-    vec![Row::new("direct", "the definition, point by point")]
+    let named = |engine: &dyn Engine<1>, summary| Row::new(engine.name(), summary);
+    vec![
+        named(&Direct, "the definition, point by point; any kernel, n m"),
+        named(
+            &Binned::default(),
+            "Gaussian on a grid, from shares in fine cells, to a proved tolerance; n + nodes",
+        ),
+        named(
+            &Hermite,
+            "Gaussian anywhere, exactly, from moments in cells; n + m",
+        ),
+    ]
 }
 
 /// The experiments in `folder` with their questions.
@@ -269,14 +281,9 @@ fn settings(parameters: &[Parameter]) -> Vec<Setting> {
 }
 
 fn takes(parameter: &Parameter) -> String {
-    let one = match parameter.kind {
-        Kind::Choice(words) => words.join(" | "),
-        Kind::PositiveOr(words) => format!("a finite number above 0 | {}", words.join(" | ")),
-        other => other.to_string(),
-    };
     if parameter.sweeps {
-        format!("{one}; a list for a sweep")
+        format!("{}; a list for a sweep", parameter.kind)
     } else {
-        one
+        parameter.kind.to_string()
     }
 }

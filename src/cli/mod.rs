@@ -3,7 +3,6 @@
 //! Data go to the standard output or to `-o`, everything else to the standard error. Exit codes: 0 done, 1 a claim failed, 2 bad input,
 //! 3 the system failed, 130 interrupted ([`stop::Stop`]). A reader that goes away early is no failure.
 
-#[allow(dead_code, reason = "for commands that take a bandwidth")]
 mod argument;
 mod completions;
 mod estimate;
@@ -12,6 +11,7 @@ mod estimator;
 mod interrupt;
 mod list;
 mod notes;
+mod oracle;
 mod output;
 mod phases;
 mod run;
@@ -44,6 +44,7 @@ struct Lab {
 const EXAMPLES: &str = "\
 Examples:
   lab list                                        what there is
+  lab oracle --density bimodal --n 200            the best bandwidth, exactly
   lab sample --density bimodal --n 200 | lab estimate - --estimator 'kernel = { bandwidth = 0.3 }'
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
       --estimator 'kernel = { shape = \"epanechnikov\", bandwidth = \"silverman\" }' -o density.csv
@@ -55,6 +56,7 @@ enum Command {
     Run(run::Run),
     List(list::List),
     Estimate(estimate::Estimate),
+    Oracle(oracle::Oracle),
     Sample(sample::Sample),
     Completions(completions::Completions),
 }
@@ -65,6 +67,7 @@ impl Command {
             Self::Run(run) => run.run(notes),
             Self::List(list) => list.run(notes),
             Self::Estimate(estimate) => estimate.run(notes),
+            Self::Oracle(oracle) => oracle.run(notes),
             Self::Sample(sample) => sample.run(),
             Self::Completions(completions) => completions.run(),
         }
