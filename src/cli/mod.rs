@@ -7,7 +7,6 @@ mod argument;
 mod completions;
 mod estimate;
 mod estimator;
-#[allow(dead_code, reason = "for commands that can save their work")]
 mod interrupt;
 mod list;
 mod notes;
@@ -16,7 +15,6 @@ mod output;
 mod phases;
 mod run;
 mod sample;
-#[allow(dead_code, reason = "for commands that judge")]
 mod stop;
 mod summary;
 
