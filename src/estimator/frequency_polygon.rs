@@ -1,12 +1,14 @@
 //! The frequency polygon: straight lines between the tops of a histogram's bars.
 
 use super::bins::Bins;
-use super::width::{self, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use super::width::{self, Rule, Width};
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
+use crate::theory::{NoAsymptotics, polygon_moments};
 use std::sync::Arc;
 
 /// Linear interpolation between the values of a histogram at the centres of its bins, empty bins included.
@@ -68,6 +70,17 @@ impl Estimator<1> for FrequencyPolygon {
             },
         )
     }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        let width = self.width.number()?;
+        let at = |&[x]: &Point<1>| polygon_moments(truth, width, self.origin, draws as f64, x);
+        Some(places.iter().map(at).collect())
+    }
 }
 
 impl Described for FrequencyPolygon {
@@ -95,13 +108,18 @@ impl Described for FrequencyPolygon {
     ];
 
     fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+        let rules: &[(_, Rule)] = &[("normal-reference", selector::frequency_polygon)];
+        let width = Width::given(values, context, rules, |_, truth, draws| {
+            // 2 (15 / (49 R(f″) n))^(1/5) [Scott 1992, eq. 4.10]
+            let curvature = truth.roughness(2);
+            if curvature.is_finite() {
+                Ok(2.0 * (15.0 / (49.0 * curvature * draws)).powf(0.2))
+            } else {
+                Err(NoAsymptotics::Curvature)
+            }
+        })?;
         Ok(Self {
-            width: Width::given(
-                values,
-                context,
-                &[("normal-reference", selector::frequency_polygon)],
-                |word, _, _| Err(format!("\"{word}\" is not known")),
-            )?,
+            width,
             origin: values.number("origin").unwrap_or(0.0),
         })
     }

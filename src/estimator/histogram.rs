@@ -1,12 +1,14 @@
 //! The histogram: the oldest estimator, and the one whose picture depends on where its bins begin.
 
 use super::bins::Bins;
-use super::width::{self, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use super::width::{self, Rule, Width};
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
+use crate::theory::{HistogramError, histogram_moments};
 use std::sync::Arc;
 
 /// f̂(x) = (mass in the bin of x) / width, on the bins [origin + k·width, origin + (k + 1)·width). [Silverman 1986, section 2.2]
@@ -61,6 +63,17 @@ impl Estimator<1> for Histogram {
             },
         )
     }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        let width = self.width.number()?;
+        let at = |&[x]: &Point<1>| histogram_moments(truth, width, self.origin, draws as f64, x);
+        Some(places.iter().map(at).collect())
+    }
 }
 
 impl Described for Histogram {
@@ -87,18 +100,19 @@ impl Described for Histogram {
     ];
 
     fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
-        Ok(Self {
-            width: Width::given(
-                values,
-                context,
-                &[
-                    ("scott", selector::scott),
-                    ("freedman-diaconis", selector::freedman_diaconis),
-                ],
-                |word, _, _| Err(format!("\"{word}\" is not known")),
-            )?,
-            origin: values.number("origin").unwrap_or(0.0),
-        })
+        let origin = values.number("origin").unwrap_or(0.0);
+        let rules: &[(_, Rule)] = &[
+            ("scott", selector::scott),
+            ("freedman-diaconis", selector::freedman_diaconis),
+        ];
+        let width = Width::given(values, context, rules, |word, truth, draws| {
+            let error = HistogramError::new(truth, origin);
+            match word {
+                "oracle" => Ok(error.optimum(draws).at),
+                _ => Ok(error.asymptotic(draws)?.best()),
+            }
+        })?;
+        Ok(Self { width, origin })
     }
 }
 

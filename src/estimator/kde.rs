@@ -1,14 +1,16 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
 use super::width::best;
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::boundary::{Boundary, Ignore};
+use crate::density::Density;
 use crate::engine::{Direct, Engine};
 use crate::kernel::{Bandwidth, KernelSum, Shape};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
-use crate::space::Field;
+use crate::space::{Field, Point};
+use crate::theory::{KernelError, kernel_moments};
 use std::sync::Arc;
 
 /// Where the bandwidth comes from.
@@ -66,6 +68,19 @@ impl Estimator<1> for Kde {
         estimate.bandwidth = Some(bandwidth);
         estimate.warnings = warnings;
         Ok(estimate)
+    }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        let Width::Number(h) = self.width else {
+            return None;
+        };
+        let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
+        Some(places.iter().map(at).collect())
     }
 }
 
@@ -126,7 +141,13 @@ impl Kde {
                 context,
                 "bandwidth",
                 word.unwrap_or_default(),
-                |word, _, _| Err(format!("\"{word}\" is not known")),
+                |word, truth, draws| {
+                    let error = KernelError::new(truth, shape);
+                    match word {
+                        "oracle" => Ok(error.optimum(draws).at),
+                        _ => Ok(error.asymptotic(draws)?.best()),
+                    }
+                },
             )?),
         };
         Ok(Self {

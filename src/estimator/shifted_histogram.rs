@@ -1,12 +1,15 @@
 //! The averaged shifted histogram: a histogram without the whim of its origin.
 
 use super::bins::Bins;
-use super::width::{self, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws};
+use super::width::{self, Rule, Width};
+use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use crate::density::Density;
+use crate::kernel::Shape;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
+use crate::theory::{KernelError, shifted_histogram_moments};
 use std::sync::Arc;
 
 /// The mean of m histograms whose origins are width/m apart.
@@ -17,7 +20,7 @@ use std::sync::Arc;
 /// O(n + m·targets).
 pub struct ShiftedHistogram {
     width: Width,
-    shifts: f64,
+    shifts: u32,
     origin: f64,
 }
 
@@ -53,7 +56,8 @@ impl Estimator<1> for ShiftedHistogram {
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
         let (width, warnings) = self.width.of(sample)?;
-        let narrow = width / self.shifts;
+        let shifts = f64::from(self.shifts);
+        let narrow = width / shifts;
         width::binned(
             sample,
             warnings,
@@ -64,11 +68,24 @@ impl Estimator<1> for ShiftedHistogram {
                 Arc::new(Fitted {
                     bins,
                     width,
-                    shifts: self.shifts,
+                    shifts,
                     domain,
                 })
             },
         )
+    }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        let width = self.width.number()?;
+        let at = |&[x]: &Point<1>| {
+            shifted_histogram_moments(truth, width, self.shifts, self.origin, draws as f64, x)
+        };
+        Some(places.iter().map(at).collect())
     }
 }
 
@@ -105,14 +122,15 @@ impl Described for ShiftedHistogram {
     ];
 
     fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+        let rules: &[(_, Rule)] = &[("normal-reference", selector::shifted_histogram)];
+        let width = Width::given(values, context, rules, |_, truth, draws| {
+            // that of the kernel which the mean tends to
+            let error = KernelError::new(truth, Shape::Triangular);
+            Ok(error.asymptotic(draws)?.best())
+        })?;
         Ok(Self {
-            width: Width::given(
-                values,
-                context,
-                &[("normal-reference", selector::shifted_histogram)],
-                |word, _, _| Err(format!("\"{word}\" is not known")),
-            )?,
-            shifts: values.number("shifts").unwrap_or(16.0),
+            width,
+            shifts: values.count("shifts").map_or(16, |shifts| shifts as u32),
             origin: values.number("origin").unwrap_or(0.0),
         })
     }

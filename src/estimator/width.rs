@@ -7,6 +7,7 @@ use crate::parameter::Values;
 use crate::sample::Sample;
 use crate::selector::{BinWidth, SelectError};
 use crate::space::{Domain, Field, Warning};
+use crate::theory::NoAsymptotics;
 use std::sync::Arc;
 
 /// A rule that chooses a width from the data.
@@ -24,7 +25,7 @@ impl Width {
         values: &Values,
         context: &Context,
         rules: &[(&str, Rule)],
-        optimum: impl Fn(&str, &dyn Univariate, usize) -> Result<f64, String>,
+        optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
     ) -> Result<Self, BuildError> {
         if let Some(width) = values.number("width") {
             return Ok(Self::Number(width));
@@ -34,6 +35,14 @@ impl Width {
             return Ok(Self::Rule(*rule));
         }
         best(context, "width", word, optimum).map(Self::Number)
+    }
+
+    /// The width, where it is the same for all samples.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(width) => Some(*width),
+            Self::Rule(_) => None,
+        }
     }
 
     /// The width for `sample`.
@@ -68,7 +77,7 @@ pub(super) fn best(
     context: &Context,
     parameter: &'static str,
     word: &str,
-    optimum: impl Fn(&str, &dyn Univariate, usize) -> Result<f64, String>,
+    optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
 ) -> Result<f64, BuildError> {
     let error = |what| BuildError { parameter, what };
     let Some(truth) = &context.truth else {
@@ -76,14 +85,17 @@ pub(super) fn best(
             "\"{word}\" is the best {parameter} for a known density, and the density of measured data is not known; give a number or a rule that looks at the data alone"
         )));
     };
-    let best = optimum(word, &**truth, context.draws).map_err(error)?;
+    let best = optimum(word, &**truth, context.draws as f64).map_err(|why| {
+        error(format!(
+            "\"{word}\": {why}; give a number, or \"oracle\" where it is allowed"
+        ))
+    })?;
     if best > 0.0 && best.is_finite() {
-        Ok(best)
-    } else {
-        Err(error(format!(
-            "\"{word}\": no best {parameter} exists for this density; give a number"
-        )))
+        return Ok(best);
     }
+    Err(error(format!(
+        "\"{word}\": the error keeps falling up to a {parameter} of {best}, so that none is best; give a number"
+    )))
 }
 
 /// Bins the sample and each of its channels alike and makes the fields over them. `smoothing` is the width that the user knows, `width` that of the bins.

@@ -146,10 +146,10 @@ fn good(scale: f64) -> Spoilt {
 }
 
 fn plant(name: &str, make: impl Fn(f64, f64) -> Spoilt + Send + Sync + 'static) -> Subject {
-    Subject {
-        name: name.to_owned(),
-        make: Box::new(move |scale, shift| Box::new(make(scale, shift))),
-    }
+    Subject::new(
+        name.to_owned(),
+        Box::new(move |scale, shift| Box::new(make(scale, shift))),
+    )
 }
 
 fn values_spoilt(
