@@ -9,6 +9,7 @@ mod fine;
 mod page;
 mod pictures;
 mod sweep;
+mod tables;
 
 pub use fine::Fine;
 

@@ -3,32 +3,23 @@
 use super::fine::First;
 use super::pictures::{Picture, place_axis};
 use super::sweep::{members, parameter, traces};
-use super::{Fine, Material};
-use crate::accuracy::compare;
+use super::{Fine, Material, tables};
 use crate::experiment::judge::{Ruling, short};
 use crate::experiment::manifest::{REVISION, VERSION};
-use crate::experiment::results::{Group, Outcome};
-use crate::experiment::table::exact_counterpart;
+use crate::experiment::results::Group;
 use crate::experiment::{Measure, SourceSpec};
-use crate::kernel::{Kernel, Shape};
 use crate::random::GENERATOR;
 use crate::report::figure::{Axis, Sweep};
-use crate::report::page::{
-    self, Cell, Errors, Figure, Page, Slider, Step, Table, Verdict, Warning,
-};
-
-/// Pairs are compared in the page for at most so many estimators; the table on disk has more.
-const PAIRED: usize = 5;
+use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Verdict, Warning};
 
 pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Picture>) -> String {
     let experiment = material.bench.experiment();
-    let mut tables: Vec<Table> = material
+    let tables = material
         .results
         .groups
         .iter()
-        .map(|group| errors(material, group))
+        .flat_map(|group| tables::of(material, group))
         .collect();
-    tables.extend(material.results.groups.iter().filter_map(pairs));
     Page {
         question: experiment.question.clone(),
         notes: experiment.notes.clone(),
@@ -158,129 +149,6 @@ fn warnings(material: &Material<'_>) -> Vec<Warning> {
             hint: warning.hint.clone(),
         });
     warnings.collect()
-}
-
-/// The kernel of an estimator, where it has one.
-fn kernel_of(material: &Material<'_>, number: usize) -> Option<Shape> {
-    let spec = &material.bench.experiment().estimators[number];
-    match spec.kind.as_str() {
-        "naive" => Some(Shape::Uniform),
-        _ => spec.values.word("shape").and_then(Shape::named),
-    }
-}
-
-fn errors(material: &Material<'_>, group: &Group) -> Table {
-    let known = group.truth.is_some();
-    let kernels: Vec<Option<Shape>> = (0..group.outcomes.len())
-        .map(|number| kernel_of(material, number))
-        .collect();
-    let comparable = kernels.iter().any(Option::is_some);
-    let mut columns = vec!["estimator", "h"];
-    if comparable {
-        columns.extend(["h √k₂", "h / δ₀"]);
-    }
-    if known {
-        columns.extend([
-            "MISE", "exact", "bias²", "exact", "variance", "exact", "MIAE", "MIRE",
-        ]);
-    }
-    columns.extend(["energy", "modes"]);
-    let rows = group
-        .outcomes
-        .iter()
-        .zip(&kernels)
-        .map(|(outcome, kernel)| {
-            let h = outcome.measures.get(&Measure::Smoothing).map(|m| m.value);
-            let scaled = |scale: &dyn Fn(Shape) -> f64| {
-                h.zip(*kernel)
-                    .map_or(Cell::Empty, |(h, kernel)| Cell::exact(h * scale(kernel)))
-            };
-            let mut row = vec![
-                Cell::text(&outcome.name),
-                h.map_or(Cell::Empty, Cell::exact),
-            ];
-            if comparable {
-                row.extend([
-                    scaled(&|kernel| kernel.variance().sqrt()),
-                    scaled(&|kernel| kernel.canonical_scale().recip()),
-                ]);
-            }
-            if known {
-                for measure in [Measure::Mise, Measure::Bias2, Measure::Variance] {
-                    row.push(cell(outcome, measure));
-                    row.push(
-                        exact_counterpart(measure)
-                            .map_or(Cell::Empty, |exact| cell(outcome, exact)),
-                    );
-                }
-                row.extend([Measure::Miae, Measure::Mire].map(|measure| cell(outcome, measure)));
-            }
-            row.extend([Measure::Energy, Measure::Modes].map(|measure| cell(outcome, measure)));
-            row
-        });
-    Table {
-        title: format!("{}, n = {}", group.name, group.draws),
-        caption: if known {
-            "Means over the replicates ± standard errors beside the exact values; bandwidths also as the kernel's deviation h √k₂ and as the canonical \
-             bandwidth h / δ₀, in which kernels compare. MIRE where the truth is at least 1 % of its peak. Energy: integral over the grid relative to the truth's."
-                .to_owned()
-        } else {
-            "No true density is known: no errors. Bandwidths also as the kernel's deviation h √k₂ and as the canonical bandwidth h / δ₀, in which kernels compare; \
-             energy is the integral over the grid."
-                .to_owned()
-        },
-        rows: rows.collect(),
-        columns: columns.into_iter().map(str::to_owned).collect(),
-    }
-}
-
-fn cell(outcome: &Outcome, measure: Measure) -> Cell {
-    outcome
-        .measures
-        .get(&measure)
-        .map_or(Cell::Empty, |m| match m.standard_error {
-            Some(error) if error > 0.0 => Cell::measured(m.value, error),
-            _ => Cell::exact(m.value),
-        })
-}
-
-fn pairs(group: &Group) -> Option<Table> {
-    let few = (2..=PAIRED).contains(&group.outcomes.len());
-    if group.truth.is_none() || !few || group.outcomes.first()?.replicates.len() < 2 {
-        return None;
-    }
-    let mut rows = Vec::new();
-    for (i, a) in group.outcomes.iter().enumerate() {
-        for b in &group.outcomes[i + 1..] {
-            let mut row = vec![Cell::text(&a.name), Cell::text(&b.name)];
-            for measure in [Measure::Mise, Measure::Miae, Measure::Mire] {
-                let paired = compare(
-                    &a.per_replicate(measure, 1.0)?,
-                    &b.per_replicate(measure, 1.0)?,
-                    0.95,
-                );
-                row.push(match paired.ratio_error {
-                    Some(error) if error > 0.0 => Cell::measured(paired.ratio, error),
-                    _ => Cell::exact(paired.ratio),
-                });
-            }
-            rows.push(row);
-        }
-    }
-    Some(Table {
-        title: format!("In pairs: {}, n = {}", group.name, group.draws),
-        caption: "Ratio of mean errors on the same samples ± standard error.".to_owned(),
-        columns: [
-            "estimator",
-            "against",
-            "MISE ratio",
-            "MIAE ratio",
-            "MIRE ratio",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
-    })
 }
 
 /// The slider for the first sweep of the experiment.
