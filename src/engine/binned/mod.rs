@@ -226,8 +226,8 @@ fn bound(ratio: f64, reach: f64, far: f64, nodes: usize, points: usize) -> f64 {
     let slope = constant(1, 0.0);
     interpolation(ratio)
         + 2.3 * (-0.5 * reach * reach).exp()
-        // places rounded to 2⁻²⁴ of a step, and as coordinates
-        + slope * (ratio * 2f64.powi(-25) + 6.0 * unit * far)
+        // places rounded to 2⁻²⁰ of a step, and as coordinates
+        + slope * (ratio * 2f64.powi(-21) + 6.0 * unit * far)
         // sums of weights, at most a sixteenth of all points in a row
         + unit * (points as f64 / 16.0).max((points as f64).min(131_072.0))
         // transforms, whose error is relative to their largest value

@@ -46,17 +46,16 @@ impl Mesh {
 pub fn count(points: &[f64], mesh: Mesh) -> Counts<u64> {
     let search = Search::of(mesh);
     let size = search.table();
-    // two tables used in turn, so that points in the same bin do not wait for each other; one where the cache would not hold both
-    let copies = if size <= 1 << 13 { 2 } else { 1 };
     let table = in_lanes(
         points.len(),
         8 * size,
         |lane| {
-            Arch::new().dispatch(Count {
-                points: &points[lane],
-                search,
-                copies,
-            })
+            let points = &points[lane];
+            if size <= SMALL {
+                Arch::new().dispatch(Count::<SMALL> { points, search })
+            } else {
+                Arch::new().dispatch(Count::<0> { points, search })
+            }
         },
         |sum, term| *sum += term,
     );
@@ -174,49 +173,42 @@ impl Search {
     }
 }
 
-struct Count<'a> {
+/// Bins, guards included, below which tables have a size that the compiler knows.
+const SMALL: usize = 1 << 12;
+
+/// Counts into two tables of `SIZE` (0: any) in turn, so that points in the same bin do not wait for each other.
+struct Count<'a, const SIZE: usize> {
     points: &'a [f64],
     search: Search,
-    copies: usize,
 }
 
-impl WithSimd for Count<'_> {
+impl<const SIZE: usize> WithSimd for Count<'_, SIZE> {
     type Output = Vec<u64>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<u64> {
-        let Self {
-            points,
-            search,
-            copies,
-        } = self;
-        let size = search.table();
-        let mut even = vec![0u32; size];
-        let mut odd = vec![0u32; if copies == 2 { size } else { 0 }];
-        let mut total = vec![0u64; size];
+        let Self { points, search } = self;
+        let wanted = search.table();
+        let size = if SIZE > 0 { SIZE } else { wanted };
+        let mut tables = (vec![0u32; size], vec![0u32; size]);
+        let mut total = vec![0u64; wanted];
         let mut index = [0u32; CHUNK];
         // flushed long before a count of 32 bits is full
         for block in points.chunks(1 << 31) {
             for chunk in block.chunks(CHUNK) {
                 search.locate(chunk, &mut index);
-                let cells = &index[..chunk.len()];
-                if copies == 2 {
-                    let (even, odd) = (even.as_mut_slice(), odd.as_mut_slice());
-                    for pair in cells.chunks(2) {
-                        even[pair[0] as usize & (size - 1)] += 1;
-                        if let Some(&second) = pair.get(1) {
-                            odd[second as usize & (size - 1)] += 1;
-                        }
-                    }
-                } else {
-                    let even = even.as_mut_slice();
-                    for &cell in cells {
-                        even[cell as usize & (size - 1)] += 1;
-                    }
+                let (even, odd) = (&mut tables.0[..size], &mut tables.1[..size]);
+                let (pairs, last) = index[..chunk.len()].as_chunks::<2>();
+                for [first, second] in pairs {
+                    even[*first as usize & (size - 1)] += 1;
+                    odd[*second as usize & (size - 1)] += 1;
+                }
+                for cell in last {
+                    even[*cell as usize & (size - 1)] += 1;
                 }
             }
-            for table in [&mut even, &mut odd] {
-                for (sum, count) in total.iter_mut().zip(table) {
+            for table in [&mut tables.0, &mut tables.1] {
+                for (sum, count) in total.iter_mut().zip(&mut table[..wanted]) {
                     *sum += u64::from(*count);
                     *count = 0;
                 }
@@ -247,15 +239,19 @@ impl WithSimd for Weigh<'_> {
         let size = search.table();
         let mut table = vec![[0.0; 2]; size];
         let mut index = [0u32; CHUNK];
+        let mut parts = [[0.0f64; 2]; CHUNK];
         for (points, weights) in points.chunks(BLOCK).zip(weights.chunks(BLOCK)) {
             for (chunk, weights) in points.chunks(CHUNK).zip(weights.chunks(CHUNK)) {
                 search.locate(chunk, &mut index);
+                for (parts, &weight) in parts.iter_mut().zip(weights) {
+                    *parts = split(weight / unit).into();
+                }
                 let table = table.as_mut_slice();
-                for (&cell, &weight) in index.iter().zip(weights) {
-                    let (high, low) = split(weight / unit);
+                for (&cell, parts) in index[..chunk.len()].iter().zip(&parts) {
                     let row = &mut table[cell as usize & (size - 1)];
-                    row[0] += high;
-                    row[1] += low;
+                    for part in 0..2 {
+                        row[part] += parts[part];
+                    }
                 }
             }
         }

@@ -44,7 +44,7 @@ const BLOCK: usize = 1 << 17;
 const MOST_LANES: usize = 16;
 
 /// Bytes that the tables of all lanes may take together, as long as two lanes remain.
-const TABLE_BUDGET: usize = 24 << 20;
+const TABLE_BUDGET: usize = 12 << 20;
 
 /// Cuts `points` indices into fixed ranges, a number that depends only on `points` and on the size of one table.
 fn lanes(points: usize, table_bytes: usize) -> Vec<Range<usize>> {

@@ -21,11 +21,6 @@ impl Lattice {
     pub fn centre(&self, i: usize) -> f64 {
         (self.first + i as f64) * self.width
     }
-
-    /// Bytes that [`moments`] needs for each cell at order `M`, in one table.
-    const fn bytes<const QUADS: usize>() -> usize {
-        32 * QUADS
-    }
 }
 
 /// Four or eight moments of each cell: Σ w uᵏ for k < M, with u = X / width - cell in [-½, ½]. Points in no cell are dropped.
@@ -57,7 +52,7 @@ fn collect<const M: usize, const QUADS: usize>(
     let unit = weights.map_or(1.0, largest);
     let rows = lattice.count + 2;
     // lanes keep a table and its total
-    let bytes = 2 * Lattice::bytes::<QUADS>() * rows.next_power_of_two();
+    let bytes = 2 * 32 * QUADS * rows;
     let lines = in_lanes(
         points.len(),
         bytes,
@@ -136,6 +131,7 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
         let mut total = vec![Line::ZERO; used];
         let mut index = [0u32; CHUNK];
         let mut place = [0.0f64; CHUNK];
+        let mut scaled = [0.0f64; CHUNK];
         for (number, block) in points.chunks(BLOCK).enumerate() {
             for (part, chunk) in block.chunks(CHUNK).enumerate() {
                 for ((i, u), &x) in index.iter_mut().zip(&mut place).zip(chunk) {
@@ -173,8 +169,10 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
                     Some(weights) => {
                         let start = number * BLOCK + part * CHUNK;
                         let weights = &weights[start..start + chunk.len()];
-                        for ((&i, &u), &weight) in index.iter().zip(place).zip(weights) {
-                            let v = weight / unit;
+                        for (v, &weight) in scaled.iter_mut().zip(weights) {
+                            *v = weight / unit;
+                        }
+                        for ((&i, &u), &v) in index.iter().zip(place).zip(&scaled) {
                             let (mass, rest) = split(v);
                             let square = u * u;
                             let powers = [mass, v * u, v * square, v * (u * square)];
