@@ -18,8 +18,8 @@ ROWS = {
     "**lab** binned, 2 threads": (GRIDS, "binned", 2),
     "**lab** hermite": (("gaussian-grid", "gaussian-points"), "hermite", 1),
     "**lab** hermite, 2 threads": (("gaussian-grid", "gaussian-points"), "hermite", 2),
-    "**lab** moments": (("epanechnikov-grid",), "interval-moments", 1),
-    "**lab** moments, 2 threads": (("epanechnikov-grid",), "interval-moments", 2),
+    "**lab** moments": (("epanechnikov-grid",), "interval", 1),
+    "**lab** moments, 2 threads": (("epanechnikov-grid",), "interval", 2),
     "**lab** sorted": (("epanechnikov-grid", "epanechnikov-points"), "sorted", 1),
     "**lab** sorted, 2 threads": (("epanechnikov-grid", "epanechnikov-points"), "sorted", 2),
 }
@@ -28,13 +28,13 @@ ROWS = {
 def command(program, name, work, data, answer):
     _, engine, threads = ROWS[name]
     if work.at == "bins":
-        estimator = f"{{ histogram = {{ width = {(HIGH - LOW) / CELLS}, origin = {LOW} }} }}"
+        estimator = f"histogram = {{ width = {(HIGH - LOW) / CELLS}, origin = {LOW} }}"
     else:
-        engine = f', engine = "{engine}"' if engine else ""
-        estimator = f'{{ kernel = {{ shape = "{work.kernel}", bandwidth = {work.bandwidth}{engine} }} }}'
+        estimator = f'kernel = {{ shape = "{work.kernel}", bandwidth = {work.bandwidth} }}'
     places = ["--at", str(data)] if work.at == "points" else [f"--grid={LOW:g}:{HIGH:g}:{CELLS}"]
+    engine = ["--engine", engine] if engine else []
     return [
-        str(program), "estimate", str(data), "--column", "0", "--estimator", estimator, *places,
+        str(program), "estimate", str(data), "--estimator", estimator, *engine, *places,
         "--threads", str(threads), "--explain", "-o", str(answer),
     ]
 

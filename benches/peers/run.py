@@ -38,7 +38,7 @@ def arguments():
     parser.add_argument("--works", nargs="+", choices=list(WORKS), default=list(WORKS), help="the questions asked")
     parser.add_argument("--programs", nargs="+", metavar="PART", help="only programs whose name contains one of these")
     parser.add_argument("--rounds", type=int, help="how often each is run (default 7; slow ones less)")
-    parser.add_argument("--budget", type=float, help="skip a run that would take more CPU seconds than this (default 150)")
+    parser.add_argument("--budget", type=float, help="skip a run that would take more CPU seconds than this (default 60)")
     parser.add_argument("--quick", action="store_true", help="n = 1e5 and 1e6, three rounds, budget 1.5 s: under two minutes")
     parser.add_argument("--lab", type=Path, help="the program to measure (default: cargo build --release)")
     parser.add_argument("--no-lab", action="store_true", help="peers only")
@@ -46,7 +46,7 @@ def arguments():
     options = parser.parse_args()
     options.n = sorted(options.n or ([10**5, 10**6] if options.quick else [10**5, 10**6, 10**7]))
     options.rounds = options.rounds or (3 if options.quick else 7)
-    options.budget = options.budget or (1.5 if options.quick else 150.0)
+    options.budget = options.budget or (1.5 if options.quick else 60.0)
     return options
 
 
@@ -109,9 +109,13 @@ class Bench:
             share = spent[0] / self.options.budget
             rounds = 1 if share > 0.1 else 3 if share > 0.02 else self.options.rounds
             return number < rounds and not (self.options.quick and self.far_behind(work, n, spent[0]))
+        earlier = [note for size in self.options.n if size < n and (note := self.notes.get((work, size, name)))]
+        if earlier:
+            self.notes[work, n, name] = earlier[-1].split(": about")[0]
+            return False
         guess = self.guess(work, n, name)
         if guess > self.options.budget:
-            self.notes[work, n, name] = "skipped" + (f": about {guess:,.0f} s" if guess < math.inf else "")
+            self.notes[work, n, name] = f"skipped: about {guess:,.0f} s"
             return False
         return True
 
@@ -123,8 +127,6 @@ class Bench:
         seen = [(size, statistics.median(run["cpu"] for run in runs)) for size in self.options.n if size < n
                 if (runs := self.of(work, size, name))]
         if not seen:
-            if any((work, size, name) in self.notes for size in self.options.n if size < n):
-                return math.inf  # did not run at a smaller size either
             if WORKS[work].at != "points":
                 return 0.0
             # Some sum every pair, so that a blind first run could take hours.
