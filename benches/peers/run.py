@@ -25,6 +25,8 @@ ROOT = HERE.parent.parent
 CACHE = HERE / ".cache"
 R_ROWS = {"R density": lab.GRIDS, "R KernSmooth bkde": lab.GRIDS, "R hist": ("histogram",)}
 
+TWO = ", 2 threads"
+
 # One thread unless the row says otherwise: these libraries would take all cores unasked.
 ONE_THREAD = {
     name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "NUMEXPR_NUM_THREADS")
@@ -198,6 +200,11 @@ class Bench:
                 f"| {row['name']} | {row['version']} | {ms(row['cpu'])} ({ms(row['low'])} - {ms(row['high'])}) | {ms(row['wall'])} "
                 f"| {row['error']:.1e} | {ratio} | {row['peak'] / 2**20:.0f} |"
             )
+        walls = {row["name"]: row["wall"] for row in rows}
+        faster = [f"{name} {walls[name] / wall:.2f}×" for two, wall in walls.items()
+                  if (name := two.removesuffix(TWO)) != two and name in walls]
+        if faster:
+            lines.append(f"\nTwo threads against one, wall time: {'; '.join(faster)}.")
         without = [f"{name} ({note})" for (of, size, name), note in self.notes.items() if (of, size) == (work, n)]
         if without:
             lines.append(f"\nNo number: {'; '.join(without)}.")
