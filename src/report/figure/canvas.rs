@@ -521,6 +521,21 @@ pub(super) fn widest(ticks: &Ticks) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// How far the tick labels of a horizontal axis reach beyond its two ends.
+pub(super) fn overhang(x: Scale, across: f64) -> (f64, f64) {
+    let ends = x
+        .ticks(across, true)
+        .major
+        .into_iter()
+        .map(|(value, label)| {
+            let (middle, half) = (x.place(value) * across, 0.5 * width(&label, style::TICK));
+            (half - middle, middle + half - across)
+        });
+    ends.fold((0.0, 0.0), |most, end| {
+        (most.0.max(end.0), most.1.max(end.1))
+    })
+}
+
 /// Room to the left of a frame for the labels of its vertical axis and its title.
 pub(super) fn room_left(y: Scale, height: f64, titled: bool) -> f64 {
     MARGIN + widest(&y.ticks(height, false)) + if titled { 24.0 } else { 8.0 }

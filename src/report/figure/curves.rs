@@ -1,6 +1,6 @@
 //! Densities over one axis: the truth, estimates, step functions, bands, and the data beneath.
 
-use super::canvas::{Canvas, Frame, Hang, MARGIN, Panel, Type, room_left};
+use super::canvas::{Canvas, Frame, Hang, MARGIN, Panel, Type, overhang, room_left};
 use super::legend::{End, Entry, FILL, Legend, Markers, Swatch, label_ends};
 use super::multiples::{Multiples, Small};
 use super::path::Place;
@@ -63,7 +63,7 @@ impl Curves {
         let mut frame = Frame {
             left,
             top: 0.0,
-            width: WIDTH - left - 16.0,
+            width: WIDTH - left - 16.0_f64.max(overhang(x, WIDTH - left).1 + 4.0),
             height: HEIGHT,
             x,
             y,

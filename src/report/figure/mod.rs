@@ -40,6 +40,9 @@ pub use sweep::{Measured, Part, Sweep, Trace};
 
 use std::fmt;
 
+#[cfg(test)]
+mod tests;
+
 /// A finished drawing. Only this module makes one, so what it holds is known to be well-formed and free of foreign markup.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Svg(String);

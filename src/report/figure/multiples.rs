@@ -1,6 +1,6 @@
 //! Small multiples: many small frames over the same axes, to be compared at a glance.
 
-use super::canvas::{Canvas, Hang, MARGIN, Type, room_left, title};
+use super::canvas::{Canvas, Hang, MARGIN, Type, overhang, room_left, title};
 use super::curves::{WIDTH, abscissae, legend, nothing, ordinate_scale, series};
 use super::legend::{Entry, Legend};
 use super::path::Place;
@@ -86,9 +86,18 @@ impl Layout {
             .map(|(_, y)| room_left(*y, height, false))
             .fold(0.0, f64::max)
             + 16.0;
-        let between = if figure.shared { 14.0 } else { left - 14.0 };
-        let across =
-            (WIDTH - left - MARGIN - 8.0 - between * (columns as f64 - 1.0)) / columns as f64;
+        let right = 16.0_f64.max(overhang(common.0, (WIDTH - left) / columns as f64).1 + 4.0);
+        let split = |between: f64| {
+            (WIDTH - left - right - between * (columns as f64 - 1.0)) / columns as f64
+        };
+        let narrow = if figure.shared { 14.0 } else { left - 14.0 };
+        // Tick labels at the ends of neighbouring panels need room side by side.
+        let overhang = scales
+            .iter()
+            .map(|(x, _)| overhang(*x, split(narrow)))
+            .fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        let between = narrow.max(overhang.0 + overhang.1 + 6.0);
+        let across = split(between).max(30.0);
         Self {
             columns,
             scales,

@@ -1,7 +1,7 @@
 //! What figures with one named row per estimator share: a key, names at the left, a value axis below, numbers at the right.
 
 use super::Axis;
-use super::canvas::{Canvas, Frame, Hang, MARGIN, Type, title};
+use super::canvas::{Canvas, Frame, Hang, MARGIN, Type, overhang, title};
 use super::curves::{WIDTH, nothing};
 use super::legend::{Entry, Legend};
 use super::scale::Scale;
@@ -34,6 +34,10 @@ impl Rows {
         let legend = Legend::new(key, WIDTH - 2.0 * MARGIN);
         let below_title = Canvas::new(WIDTH, 1.0).title(heading, WIDTH - 2.0 * MARGIN);
         let left = MARGIN + longest + 12.0;
+        // Labels at the ends of the axis reach beyond it.
+        let beyond = overhang(scale, 400.0);
+        let left = left.max(beyond.0 + 4.0);
+        let right = right.max(beyond.1 - 4.0);
         let top = below_title + legend.height() + 18.0;
         let across = (WIDTH - left - MARGIN - right).max(160.0);
         let height = ROW * names.len().max(1) as f64 + 4.0;

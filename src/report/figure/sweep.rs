@@ -1,6 +1,6 @@
 //! Error against bandwidth: exact curves, Monte Carlo intervals around them, and the bandwidths that have a name.
 
-use super::canvas::{Canvas, Frame, MARGIN, room_left};
+use super::canvas::{Canvas, Frame, MARGIN, overhang, room_left};
 use super::curves::{WIDTH, nothing};
 use super::legend::{End, Entry, Legend, Markers, Swatch, label_ends};
 use super::scale::Scale;
@@ -117,7 +117,7 @@ impl Sweep {
         let mut frame = Frame {
             left,
             top: 0.0,
-            width: WIDTH - left - 16.0,
+            width: WIDTH - left - 16.0_f64.max(overhang(x, WIDTH - left).1 + 4.0),
             height: HEIGHT,
             x,
             y,
