@@ -35,6 +35,7 @@ fn errors_at(h: f64) -> Errors {
 }
 
 /// A page in which every text is `name`.
+#[allow(clippy::too_many_lines)] // one of everything
 fn page(name: &str) -> Page {
     let grid: Vec<f64> = (0..101).map(|i| -5.0 + 0.1 * f64::from(i)).collect();
     let truth: Vec<f64> = grid.iter().map(|&x| normal(x, 1.0)).collect();

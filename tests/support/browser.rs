@@ -15,7 +15,7 @@ pub struct Browser {
     session: String,
     proxy: Proxy,
     // Removed with the browser.
-    _profile: tempfile::TempDir,
+    profile: tempfile::TempDir,
 }
 
 /// Where a program is: named by an environment variable, or on the path.
@@ -69,7 +69,7 @@ impl Browser {
             port,
             session: String::new(),
             proxy,
-            _profile: profile,
+            profile,
         };
         let options: Vec<String> = [
             "--headless=new",
@@ -91,7 +91,7 @@ impl Browser {
         .map(String::from)
         .chain([
             format!("--proxy-server=127.0.0.1:{}", browser.proxy.port),
-            format!("--user-data-dir={}", browser._profile.path().display()),
+            format!("--user-data-dir={}", browser.profile.path().display()),
         ])
         .collect();
         let wanted = json!({ "capabilities": { "alwaysMatch": {
@@ -248,7 +248,7 @@ impl Drop for Browser {
 fn request(port: u16, method: &str, path: &str, body: Option<&Value>) -> (u16, Value) {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("the driver listens");
     stream
-        .set_read_timeout(Some(Duration::from_secs(120)))
+        .set_read_timeout(Some(Duration::from_mins(2)))
         .expect("a timeout");
     let body = body.map(Value::to_string).unwrap_or_default();
     let head = format!(
