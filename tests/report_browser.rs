@@ -168,6 +168,7 @@ fn page(name: &str) -> Page {
     };
     Page {
         question: name.into(),
+        notes: name.into(),
         claims: vec![Verdict {
             text: name.into(),
             outcome: Outcome::Fail,
