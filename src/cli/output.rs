@@ -71,15 +71,20 @@ impl Output {
             let mode = fs::metadata(&target).map_or(0o666, |about| about.permissions().mode());
             builder.permissions(fs::Permissions::from_mode(mode & 0o777));
         }
+        if !folder.is_dir() {
+            let what = if folder.exists() {
+                "is not a folder"
+            } else {
+                "does not exist"
+            };
+            return Err(io::Error::other(format!("{} {what}", folder.display())));
+        }
         // the system's words, without the name of a file that nobody asked for
         let plain = |error: io::Error| {
             let cause = error.get_ref().and_then(|inner| inner.source());
             match cause.and_then(|cause| cause.downcast_ref::<io::Error>()) {
-                Some(cause) if cause.kind() == io::ErrorKind::NotFound => {
-                    io::Error::other(format!("there is no folder {}", folder.display()))
-                }
-                Some(cause) => io::Error::other(cause.to_string()),
-                None => error,
+                Some(cause) => io::Error::new(cause.kind(), cause.to_string()),
+                None => io::Error::new(error.kind(), error.kind().to_string()),
             }
         };
         let file = builder.tempfile_in(folder).map_err(plain)?;

@@ -100,7 +100,8 @@ impl Bench {
 /// What came of it.
 pub struct Outcome {
     line: String,
-    code: Option<i32>,
+    /// The exit code; none if a signal ended it.
+    pub code: Option<i32>,
     /// The data.
     pub stdout: String,
     /// Everything else.
@@ -182,7 +183,7 @@ impl std::fmt::Display for Outcome {
             stdout,
             stderr,
         } = self;
-        let shown: String = stdout.chars().take(2000).collect();
+        let shown: String = stdout.chars().take(400).collect();
         write!(
             f,
             "lab {line}\nended with {code:?}\n--- stdout\n{shown}\n--- stderr\n{stderr}"

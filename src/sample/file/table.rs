@@ -23,6 +23,8 @@ struct Progress {
     lines: Cell<u64>,
     inside_line: Cell<bool>,
     bytes_of_row: Cell<usize>,
+    odd_quotes: Cell<bool>,
+    ended: Cell<bool>,
 }
 
 impl<R: BufRead> Read for Lines<R> {
@@ -34,9 +36,13 @@ impl<R: BufRead> Read for Lines<R> {
         buffer[..some].copy_from_slice(&room[..some]);
         self.inner.consume(some);
         let progress = &self.progress;
+        progress.ended.set(some == 0);
         if some > 0 {
             let begun = u64::from(!progress.inside_line.replace(end.is_none()));
             progress.lines.set(progress.lines.get() + begun);
+        }
+        for _ in buffer[..some].iter().filter(|&&b| b == b'"') {
+            progress.odd_quotes.set(!progress.odd_quotes.get());
         }
         let bytes = progress.bytes_of_row.get() + some;
         progress.bytes_of_row.set(bytes);
@@ -79,7 +85,10 @@ pub(super) fn read<const D: usize>(
     };
     let line = |row: &ByteRecord| {
         let inside = row.as_slice().split(|&b| b == b'\n').count() as u64 - 1;
-        progress.lines.get() - inside
+        // the end of the file inside a quote begins no new line
+        let cut =
+            progress.ended.get() && progress.odd_quotes.get() && row.as_slice().ends_with(b"\n");
+        progress.lines.get() + u64::from(cut) - inside
     };
     if !next(&mut row)? {
         return Err(origin.content("there are no data in the file".to_owned()));
@@ -103,6 +112,7 @@ pub(super) fn read<const D: usize>(
     if headless {
         take(&row, &line, &columns, &layout, rows)?;
     }
+    let mut open = None;
     while next(&mut row)? {
         if row.len() != columns.count {
             let what = format!(
@@ -115,8 +125,17 @@ pub(super) fn read<const D: usize>(
             return Err(origin.content_at(Some(line(&row)), Some(at), what));
         }
         take(&row, &line, &columns, &layout, rows)?;
+        // with quotes in pairs a cell over several lines is meant so
+        let cell = row.iter().position(|cell| cell.contains(&b'\n'));
+        open = cell.map(|cell| (line(&row), cell + 1));
     }
-    Ok(())
+    match open.filter(|_| progress.odd_quotes.get()) {
+        None => Ok(()),
+        Some((line, cell)) => {
+            let what = "the quote that opens this cell is never closed".to_owned();
+            Err(origin.content_at(Some(line), Some(cell), what))
+        }
+    }
 }
 
 /// `,`, unless the first line has none but has `;` or a tab.
