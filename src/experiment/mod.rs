@@ -17,6 +17,7 @@ pub mod read;
 pub mod results;
 pub mod run;
 pub mod table;
+pub mod schema;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};

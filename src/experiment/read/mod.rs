@@ -26,7 +26,7 @@ mod node;
 mod problem;
 mod setting;
 mod single;
-mod source;
+pub(crate) mod source;
 pub(crate) mod sweep;
 mod value;
 pub(crate) mod whole;

@@ -5,7 +5,7 @@ use super::problem::{Problem, Span, printable};
 use super::value;
 use crate::density::{self, Univariate};
 use crate::experiment::SourceSpec;
-use crate::parameter::{Values, listed, nearest};
+use crate::parameter::{Absent, Kind, Parameter, Values, listed, nearest};
 use crate::sample::Sample;
 use crate::sample::file::{self, Column, Request};
 use crate::space::{Domain, Side};
@@ -21,6 +21,43 @@ pub(super) struct Read {
     pub(super) sample: Option<Sample<1>>,
     pub(super) span: Span,
 }
+
+/// What a density may be told beside its kind.
+pub(crate) const NAME: &[Parameter] = &[Parameter::optional(
+    "name",
+    Kind::Text,
+    Absent::Unset,
+    "what it is called in tables and claims; its kind by default",
+)];
+
+/// What a data file may be told, but for its walls.
+pub(crate) const FILE: &[Parameter] = &[
+    Parameter::required(
+        "file",
+        Kind::Text,
+        "the data, CSV or NumPy's .npy; a relative path starts at the folder of the experiment",
+    ),
+    Parameter::required(
+        "columns",
+        Kind::Texts,
+        "the column of the data: its name in the header, or its number from 1",
+    ),
+    Parameter::optional(
+        "weight",
+        Kind::Text,
+        Absent::Unset,
+        "the column of weights; equal weights by default",
+    ),
+    Parameter::optional(
+        "name",
+        Kind::Text,
+        Absent::Unset,
+        "what it is called in tables and claims; the stem of the file's name by default",
+    ),
+];
+
+/// What `domain` means.
+pub(crate) const DOMAIN: &str = "where the data can lie: [low, high], infinite where there is no wall; the whole line by default";
 
 const FORMS: &str = "{ density = \"NAME\" }, { density = { KIND = { .. } } }, { density = [ .. ] } or { file = \"PATH\", columns = [\"NAME\"] }";
 
@@ -264,12 +301,17 @@ fn data(
         }
         None => None,
     };
+    let allowed: Vec<&str> = FILE
+        .iter()
+        .map(|parameter| parameter.name)
+        .chain(["domain"])
+        .collect();
     let domain_entry = table.take("domain");
     let domain = match domain_entry {
         Some(entry) => Some(domain(reader, entry.item)?),
         None => None,
     };
-    if table.finish(reader, &["file", "columns", "weight", "domain", "name"]) {
+    if table.finish(reader, &allowed) {
         return None;
     }
     let (path, (column, column_span)) = (folder.join(path?), column?);
