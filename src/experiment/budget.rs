@@ -1,7 +1,13 @@
 //! What an experiment will cost, known before anything is drawn.
 
-use super::{Experiment, SourceSpec};
+use super::{Experiment, SourceSpec, catalogue};
+use crate::density;
+use crate::estimator::Context;
 use crate::memory::Bytes;
+use crate::random;
+use crate::sample::Sample;
+use crate::space::{Field, Grid, Targets};
+use std::time::Instant;
 
 /// The most evaluations of one run: at 10⁸ a second, the order of what two cores do, four months.
 pub const EVALUATIONS: f64 = 1e15;
@@ -9,9 +15,9 @@ pub const EVALUATIONS: f64 = 1e15;
 /// What a run needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// Estimators × sources × sample sizes: the rows of the table for each measure.
+    /// Units of work: estimators × sources × sample sizes × blocks of replicates.
     pub cells: u64,
-    /// Estimates made: cells × replicates.
+    /// Estimates made: estimators × sources × sample sizes × replicates.
     pub fits: f64,
     /// Points read and grid cells filled over all estimates.
     pub evaluations: f64,
@@ -49,12 +55,18 @@ pub struct Refusal {
     pub what: String,
 }
 
-/// Numbers held for each point of a sample: the point, its sorted copy, prefix sums and scratch of the engines.
-const PER_POINT: f64 = 8.0 * 8.0;
-/// Numbers held for each grid cell of an estimator and size: mean, square, first sample, truth, exact moments.
-const PER_CELL: f64 = 8.0 * 8.0;
-/// Numbers kept of each estimate: one a measure.
-const PER_ESTIMATE: f64 = 8.0 * 8.0;
+/// Bytes for each point of a sample: the point, its sorted copy, and the scratch of the engines.
+const PER_POINT: f64 = 6.0 * 8.0;
+/// Bytes for each grid cell of a block of replicates: pointwise mean and square.
+const PER_CELL: f64 = 2.0 * 8.0;
+/// Bytes for each estimate: its errors, integral, modes and smoothing.
+const PER_ESTIMATE: f64 = 12.0 * 8.0;
+
+/// The number of replicates in one block of work: sixteen blocks for error estimates by leaving out one, but none so long that an interruption
+/// would lose much. A function of the experiment alone, so that blocks are the same on every run.
+pub fn block_length(replicates: usize) -> usize {
+    replicates.div_ceil(16).clamp(1, 250)
+}
 
 /// The budget of an experiment. O(1).
 pub fn budget(experiment: &Experiment) -> Budget {
@@ -69,23 +81,73 @@ pub fn budget(experiment: &Experiment) -> Budget {
     let estimators = experiment.estimators.len() as f64;
     let sources = experiment.sources.len() as f64;
     let replicates = experiment.replicates as f64;
-    let threads = std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64);
+    let blocks = (replicates / block_length(experiment.replicates) as f64).ceil();
+    let threads = threads().min(blocks * estimators);
     let settings = estimators * sources * sizes.len() as f64;
     let points: f64 = sizes.iter().sum();
-    let evaluations = estimators * sources * replicates * (points + grid * sizes.len() as f64);
     let largest_sample = sizes.iter().copied().fold(0.0, f64::max);
     let largest = Largest {
-        samples: largest_sample * PER_POINT * threads.min(replicates),
-        fields: settings * grid * PER_CELL,
+        samples: largest_sample * PER_POINT * threads,
+        fields: settings * blocks * grid * PER_CELL,
         records: settings * replicates * PER_ESTIMATE,
     };
     Budget {
-        cells: settings as u64,
+        cells: (settings * blocks) as u64,
         fits: settings * replicates,
-        evaluations,
+        evaluations: estimators * sources * replicates * (points + grid * sizes.len() as f64),
         memory_bytes: largest.samples + largest.fields + largest.records,
         largest,
     }
+}
+
+fn threads() -> f64 {
+    std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64)
+}
+
+/// The seconds that a run will take on all cores, from the time that some of its estimators take now on small samples of the first source;
+/// `None` for data files, which are fitted once. Good to a factor of two or three: costs are taken to grow in proportion to points and cells.
+pub fn seconds(experiment: &Experiment) -> Option<f64> {
+    const POINTS: usize = 1000;
+    const TRIED: usize = 12;
+    let SourceSpec::Density { kind, values, .. } = experiment.sources.first()? else {
+        return None;
+    };
+    let truth = (density::entry(kind)?.build)(values).ok()?;
+    let draws = experiment.draws.iter().copied().max()?.min(POINTS);
+    let mut random = random::stream(experiment.seed, "cost", 0);
+    let points: Vec<_> = (0..draws).map(|_| truth.draw(&mut random)).collect();
+    let sample = Sample::equal(points, *truth.domain()).ok()?;
+    let cells = experiment
+        .grid
+        .map_or(super::read::DEFAULT_CELLS, |grid| grid.cells)
+        .min(super::read::DEFAULT_CELLS);
+    let (low, high) = truth.bulk(1e-4);
+    let grid = Grid::new(low, high, [cells]).ok()?;
+    let step = experiment.estimators.len().div_ceil(TRIED).max(1);
+    let (mut tried, mut took) = (0.0, 0.0);
+    for spec in experiment.estimators.iter().step_by(step) {
+        let context = Context {
+            truth: Some(truth.clone()),
+            draws,
+        };
+        let estimator = (catalogue::estimator(&spec.kind)?.build)(&spec.values, &context).ok()?;
+        // The better of two: the first pays for cold caches.
+        let mut least = f64::INFINITY;
+        for _ in 0..2 {
+            let start = Instant::now();
+            let Ok(estimate) = estimator.fit(&sample) else {
+                continue;
+            };
+            let values = estimate.evaluate(Targets::Grid(&grid)).values;
+            std::hint::black_box(values);
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        if least.is_finite() {
+            tried += (draws + cells) as f64;
+            took += least;
+        }
+    }
+    (tried > 0.0).then(|| took / tried * budget(experiment).evaluations / threads())
 }
 
 /// Data files were read when the experiment was: their size is bounded by memory already.

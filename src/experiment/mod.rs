@@ -18,9 +18,11 @@ pub mod results;
 pub mod run;
 pub mod table;
 pub mod schema;
+mod summary;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};
+pub use summary::summary;
 
 use crate::parameter::Values;
 use serde::Serialize;

@@ -12,6 +12,7 @@ use crate::experiment::budget::{self, Part};
 use crate::experiment::catalogue::{self, Built};
 use crate::experiment::{EstimatorSpec, Experiment, GridSpec};
 use crate::parameter::{Absent, Kind, Parameter};
+use crate::sample::Sample;
 use crate::space::{Grid, GridError};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -390,7 +391,7 @@ fn parts<'d, T>(
     read.into_iter().collect()
 }
 
-/// Builds every estimator once for every source and size, so that nothing can fail later.
+/// Builds every estimator once for every source and size, and fits it where a sample may have no spread, so that nothing can fail later.
 fn try_building(reader: &mut Reader, groups: &[Group], sources: &[source::Read], draws: &[usize]) {
     for source in sources {
         let own;
@@ -406,20 +407,52 @@ fn try_building(reader: &mut Reader, groups: &[Group], sources: &[source::Read],
                 truth: source.truth.clone(),
                 draws,
             };
+            let trial = trial(source, draws);
             for group in groups {
                 for (at, member) in group.members.iter().enumerate() {
-                    if let Err(error) = try_to_build(member, &context) {
-                        let span = match &member.sweep {
-                            Some(sweep) if sweep.parameter == error.parameter => {
-                                group.places[at].clone()
-                            }
-                            _ => group.located.place(error.parameter),
-                        };
-                        reader.report(Problem::at(span, error.what));
+                    let place = |parameter: &str| match &member.sweep {
+                        Some(sweep) if sweep.parameter == parameter => group.places[at].clone(),
+                        _ => group.located.place(parameter),
+                    };
+                    let built = match try_to_build(member, &context) {
+                        Ok(built) => built,
+                        Err(error) => {
+                            reader.report(Problem::at(place(error.parameter), error.what));
+                            continue;
+                        }
+                    };
+                    if let Some(sample) = &trial
+                        && let Err(error) = built.fit(sample)
+                    {
+                        let smoothing = catalogue::estimator(&member.kind)
+                            .and_then(|entry| entry.smoothing)
+                            .unwrap_or_default();
+                        reader.report(Problem::at(
+                            place(smoothing),
+                            format!(
+                                "\"{}\" cannot be fitted to {} points of \"{}\": {error}",
+                                printable(&member.name),
+                                sample.len(),
+                                printable(source.spec.name())
+                            ),
+                        ));
                     }
                 }
             }
         }
+    }
+}
+
+/// A sample that shows before the run whether estimators can be fitted: that of a data file, if it is not large, or a single point where the
+/// experiment draws no more. Larger samples of a density have a spread.
+fn trial(source: &source::Read, draws: usize) -> Option<Sample<1>> {
+    const LARGE: usize = 10_000;
+    match (&source.sample, &source.truth) {
+        (Some(sample), _) => (sample.len() <= LARGE).then(|| sample.clone()),
+        (None, Some(truth)) if draws == 1 => {
+            Sample::equal(vec![[truth.quantile(0.5)]], *truth.domain()).ok()
+        }
+        _ => None,
     }
 }
 
