@@ -335,7 +335,7 @@ const CHANGED: &[(usize, &str, &[Expected<'static>])] = &[
     (
         6,
         "grid = { low = 1e9, high = 1000000000.0000001 }",
-        &[(6, 28, &["low < high"])],
+        &[(6, 8, &["thinner than"])],
     ),
     (
         6,
@@ -374,8 +374,8 @@ const CHANGED: &[(usize, &str, &[Expected<'static>])] = &[
     ),
     (
         3,
-        r#"source = { density = "beta" }"#,
-        &[(3, 22, &["needs parameters", "beta = {"])],
+        r#"source = { density = "normal-mixture" }"#,
+        &[(3, 22, &["needs parameters", "normal-mixture = {"])],
     ),
     (
         3,
@@ -805,7 +805,9 @@ fn all_problems_of_a_file_are_reported_in_its_order() {
     ]);
     let problems = parse(&text).unwrap_err();
     let lines: Vec<usize> = problems.list().iter().map(|p| p.line).collect();
-    assert_eq!(lines, [2, 3, 6, 9, 9, 12, 17, 19, 20], "{problems}");
+    assert_eq!(lines, [2, 3, 6, 9, 9, 12, 17, 19, 19, 20], "{problems}");
+    // What has something wrong can still be what was meant.
+    assert_eq!(problems.list()[7].suggestion.as_deref(), Some("narrow"));
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn key<'d>(reader: &mut Reader, mut table: Table<'d>, span: &Span) -> Option<Ent
         .collect();
     let unknown = table.finish(reader, &allowed);
     match given[..] {
-        [one] => (!unknown).then_some(one),
+        [one] => Some(one),
         [] => {
             if !unknown {
                 reader.report(

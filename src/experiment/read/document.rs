@@ -3,11 +3,12 @@
 use super::LARGEST;
 use super::node::Reader;
 use super::problem::{Problem, Problems, Span};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 /// Longer texts are read without recovery from syntax errors: each byte can be one.
 const RECOVERABLE: usize = 1 << 18;
@@ -56,8 +57,97 @@ pub(super) fn text(path: &Path) -> Result<String, Problems> {
     })
 }
 
-/// The document as far as it can be read, and the places where it is broken.
-pub(super) fn parse<'t>(text: &'t str, reader: &mut Reader) -> (Spanned<DeTable<'t>>, Vec<Span>) {
+/// The text with the lines blanked where a bracket opens that is never closed: it would swallow the rest of the file. Places stay where they are.
+pub(super) fn close_brackets<'t>(
+    text: &'t str,
+    reader: &mut Reader,
+    broken: &mut Vec<Span>,
+) -> Cow<'t, str> {
+    /// More such lines are left to be found when these are mended.
+    const MOST: usize = 10;
+    let mut work = Cow::Borrowed(text);
+    if text.len() > RECOVERABLE {
+        return work;
+    }
+    for _ in 0..MOST {
+        let Some(open) = unclosed(&work) else { break };
+        let line = line_of(&work, open);
+        reader.report(Problem::at(
+            open..open + 1,
+            format!("this `{}` is never closed", &work[open..=open]),
+        ));
+        work.to_mut()
+            .replace_range(line.clone(), &" ".repeat(line.len()));
+        broken.push(line);
+    }
+    work
+}
+
+/// Where the outermost bracket opens that is not closed by the end of the text.
+fn unclosed(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut open: Vec<usize> = Vec::new();
+    let mut at = 0;
+    while let Some(&byte) = bytes.get(at) {
+        match byte {
+            b'#' => at += until(&bytes[at..], b"\n"),
+            b'"' | b'\'' => {
+                at += string(&bytes[at..]);
+                continue;
+            }
+            b'[' | b'{' => open.push(at),
+            b']' | b'}' => {
+                let opening = if byte == b']' { b'[' } else { b'{' };
+                if open.last().is_some_and(|&last| bytes[last] == opening) {
+                    open.pop();
+                }
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+    open.first().copied()
+}
+
+/// The length of the string that `bytes` begin with, as far as it goes.
+fn string(bytes: &[u8]) -> usize {
+    let quote = bytes[0];
+    let triple = [quote; 3];
+    if bytes.starts_with(&triple) {
+        let mut at = 3;
+        while at < bytes.len() && !bytes[at..].starts_with(&triple) {
+            at += if quote == b'"' && bytes[at] == b'\\' {
+                2
+            } else {
+                1
+            };
+        }
+        return (at + 3).min(bytes.len());
+    }
+    let mut at = 1;
+    while at < bytes.len() && bytes[at] != quote && bytes[at] != b'\n' {
+        at += if quote == b'"' && bytes[at] == b'\\' {
+            2
+        } else {
+            1
+        };
+    }
+    (at + 1).min(bytes.len())
+}
+
+fn until(bytes: &[u8], end: &[u8]) -> usize {
+    bytes
+        .windows(end.len())
+        .position(|window| window == end)
+        .unwrap_or(bytes.len())
+}
+
+/// The document as far as it can be read; the places where it is broken are added to `broken`.
+pub(super) fn parse<'t>(
+    text: &'t str,
+    reader: &mut Reader,
+    broken: &mut Vec<Span>,
+) -> Spanned<DeTable<'t>> {
     let (document, errors) = if text.len() <= RECOVERABLE {
         DeTable::parse_recoverable(text)
     } else {
@@ -66,40 +156,22 @@ pub(super) fn parse<'t>(text: &'t str, reader: &mut Reader) -> (Spanned<DeTable<
             Err(error) => (Spanned::new(0..0, DeTable::new()), vec![error]),
         }
     };
-    let mut faults: Vec<(Span, String)> = errors
+    let mut faults: Vec<(Span, &str)> = errors
         .iter()
-        .map(|error| {
-            let span = error.span().unwrap_or(0..0);
-            (span, error.message().to_owned())
-        })
+        .map(|error| (error.span().unwrap_or(0..0), error.message()))
         .collect();
     faults.sort_by_key(|(span, _)| span.start);
-    let mut broken = Vec::new();
-    // A bracket never closed swallows the rest of the file: it is the fault, not what it swallows.
-    let unclosed = faults
-        .iter()
-        .any(|(_, message)| message.starts_with("unclosed"))
-        .then(|| swallowing(document.get_ref(), text.trim_end().len()))
-        .flatten();
-    if let Some(open) = unclosed {
-        faults.retain(|(span, _)| span.start < open);
-        reader.report(Problem::at(
-            open..open + 1,
-            format!("this `{}` is never closed", &text[open..=open]),
-        ));
-        broken.push(open..text.len());
-    }
     let mut last_line = None;
     for (span, message) in faults {
         let line = line_of(text, span.start);
         // What follows the first fault of a line is mostly its echo.
         if last_line.as_ref() != Some(&line) {
-            reader.report(plain(text, span, &message));
+            reader.report(plain(text, span, message));
             broken.push(line.clone());
             last_line = Some(line);
         }
     }
-    (document, broken)
+    document
 }
 
 /// The syntax error in words that say what to do.
@@ -125,24 +197,6 @@ fn plain(text: &str, span: Span, message: &str) -> Problem {
     match help {
         Some(help) => problem.help(help),
         None => problem,
-    }
-}
-
-/// The start of the outermost list or table that goes on to the end of the text.
-fn swallowing(table: &DeTable<'_>, end: usize) -> Option<usize> {
-    table.values().filter_map(|item| in_item(item, end)).min()
-}
-
-fn in_item(item: &Spanned<DeValue<'_>>, end: usize) -> Option<usize> {
-    let span = item.span();
-    match item.get_ref() {
-        // Headers end at their bracket; only values in brackets reach the end unclosed.
-        DeValue::Array(_) | DeValue::Table(_) if span.end >= end && span.end > span.start + 1 => {
-            Some(span.start)
-        }
-        DeValue::Array(list) => list.iter().filter_map(|item| in_item(item, end)).min(),
-        DeValue::Table(table) => swallowing(table, end),
-        _ => None,
     }
 }
 

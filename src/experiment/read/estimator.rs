@@ -6,7 +6,7 @@ use super::sweep;
 use super::value::{self, Located};
 use crate::experiment::catalogue::{self, ESTIMATORS};
 use crate::experiment::{EstimatorSpec, SweepMember, significant};
-use crate::parameter::{Parameter, Value, Values, listed};
+use crate::parameter::{Parameter, Value, Values, listed, nearest};
 
 /// One `[[estimator]]` as read.
 pub(super) struct Group {
@@ -35,28 +35,37 @@ const ABOVE: &[&str] = &[
     "grid",
 ];
 
-/// Reads one table; the name it gives is known, with its place, even if the rest is wrong.
-pub(super) fn group(
-    reader: &mut Reader,
-    table: Table<'_>,
-) -> (Option<(String, Span)>, Option<Group>) {
-    let mut name = None;
+/// The name that an `[[estimator]]` gives.
+#[derive(Default)]
+pub(super) enum Given {
+    /// None: it will be made.
+    #[default]
+    Nothing,
+    /// This one, standing here.
+    Name(String, Span),
+    /// One that is wrong or misspelt: what it should be is not known.
+    Faulty,
+}
+
+/// Reads one table; the name it gives is known even if the rest is wrong.
+pub(super) fn group(reader: &mut Reader, table: Table<'_>) -> (Given, Option<Group>) {
+    let mut name = Given::Nothing;
     let group = inner(reader, table, &mut name);
     (name, group)
 }
 
-fn inner(
-    reader: &mut Reader,
-    mut table: Table<'_>,
-    given: &mut Option<(String, Span)>,
-) -> Option<Group> {
+fn inner(reader: &mut Reader, mut table: Table<'_>, given: &mut Given) -> Option<Group> {
     let name_entry = table.take("name");
     let mut name_span = table.span.clone();
     let name = name_entry.and_then(|entry| {
         name_span = entry.item.span();
         reader.name(entry.item, "the name of an estimator")
     });
-    *given = name.clone().map(|name| (name, name_span.clone()));
+    *given = match (&name, name_entry) {
+        (Some(name), _) => Given::Name(name.clone(), name_span.clone()),
+        (None, Some(_)) => Given::Faulty,
+        (None, None) => Given::Nothing,
+    };
     let span = table.span.clone();
     let kinds: Vec<Entry<'_>> = ESTIMATORS
         .iter()
@@ -66,6 +75,10 @@ fn inner(
     let allowed: Vec<&str> = std::iter::once("name")
         .chain(names.iter().copied())
         .collect();
+    let misspelt = |entry: &Entry<'_>| nearest(entry.key(), ["name"]).is_some();
+    if name_entry.is_none() && table.left().iter().any(misspelt) {
+        *given = Given::Faulty;
+    }
     let unknown = table.finish_with(reader, &allowed, |key| {
         if ABOVE.contains(&key) {
             return Some(format!(

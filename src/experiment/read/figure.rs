@@ -222,7 +222,7 @@ fn kind<'d>(
         ))
     });
     match given[..] {
-        [one] => (!unknown).then_some(one),
+        [one] => Some(one),
         [] => {
             if !unknown {
                 reader.report(

@@ -71,7 +71,9 @@ pub fn experiment(path: &Path) -> Result<Experiment, Problems> {
 pub fn experiment_text(text: &str, origin: &Path) -> Result<Experiment, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = Reader::default();
-    let (document, broken) = document::parse(text, &mut reader);
+    let mut broken = Vec::new();
+    let readable = document::close_brackets(text, &mut reader, &mut broken);
+    let document = document::parse(&readable, &mut reader, &mut broken);
     let experiment = whole::experiment(&mut reader, &document, text, origin);
     let mut problems = reader.problems;
     document::sift(&mut problems, text, &broken);

@@ -1,6 +1,6 @@
 //! What figures and claims may refer to.
 
-use super::estimator::Group;
+use super::estimator::{Given, Group};
 use super::node::Reader;
 use super::problem::{Problem, Span, printable};
 use crate::parameter::{listed, nearest};
@@ -21,7 +21,8 @@ pub(super) struct Names {
 
 impl Names {
     /// Notes one `[[estimator]]`.
-    pub(super) fn add(&mut self, given: Option<&str>, group: Option<&Group>) {
+    pub(super) fn add(&mut self, given: &Given, group: Option<&Group>) {
+        self.uncertain |= matches!(given, Given::Faulty);
         match (group, given) {
             (Some(group), _) if group.members.is_empty() => self.faulty.push(group.name.clone()),
             (Some(group), _) if group.swept => self.sweeps.push((
@@ -29,8 +30,8 @@ impl Names {
                 group.members.iter().map(|m| m.name.clone()).collect(),
             )),
             (Some(group), _) => self.single.push(group.name.clone()),
-            (None, Some(given)) => self.faulty.push(given.to_owned()),
-            (None, None) => self.uncertain = true,
+            (None, Given::Name(name, _)) => self.faulty.push(name.clone()),
+            (None, _) => self.uncertain = true,
         }
     }
 
@@ -128,7 +129,9 @@ impl Names {
         if self.excused(name) {
             return;
         }
-        let known: Vec<&str> = known.collect();
+        let known: Vec<&str> = known
+            .chain(self.faulty.iter().map(String::as_str))
+            .collect();
         let mut problem = Problem::at(
             span.clone(),
             format!("there is no {what} \"{}\"", printable(name)),

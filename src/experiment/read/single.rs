@@ -26,7 +26,9 @@ pub(super) fn estimator(
         text.to_owned()
     };
     let shift = if inline { KEY.len() } else { 0 };
-    let (document, broken) = document::parse(&wrapped, &mut reader);
+    let mut broken = Vec::new();
+    let readable = document::close_brackets(&wrapped, &mut reader, &mut broken);
+    let document = document::parse(&readable, &mut reader, &mut broken);
     let mut top = Table::new(document.get_ref(), shift..wrapped.len(), "the text");
     let table = if inline {
         top.take("estimator")

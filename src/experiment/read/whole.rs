@@ -1,6 +1,6 @@
 //! The experiment from its parts.
 
-use super::estimator::{self, Group};
+use super::estimator::{self, Given, Group};
 use super::names::Names;
 use super::node::{Entry, Item, Reader, Table};
 use super::problem::{Problem, printable};
@@ -315,18 +315,18 @@ fn estimators(reader: &mut Reader, top: &mut Table<'_>) -> (Vec<Group>, Names) {
     let mut all = 0;
     for table in tables {
         let (given, group) = estimator::group(reader, table);
-        names.add(
-            given.as_ref().map(|(name, _)| name.as_str()),
-            group.as_ref(),
-        );
+        names.add(&given, group.as_ref());
         let span = match (&group, &given) {
             (Some(group), _) => group.name_span.clone(),
-            (None, Some((_, span))) => span.clone(),
-            (None, None) => continue,
+            (None, Given::Name(_, span)) => span.clone(),
+            (None, _) => continue,
         };
         let label = group.as_ref().map(|group| &group.name);
         let labels: BTreeSet<String> = label
-            .or(given.as_ref().map(|(name, _)| name))
+            .or(match &given {
+                Given::Name(name, _) => Some(name),
+                _ => None,
+            })
             .into_iter()
             .chain(
                 group
