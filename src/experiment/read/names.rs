@@ -119,7 +119,7 @@ impl Names {
     }
 
     fn unknown<'n>(
-        &self,
+        &'n self,
         reader: &mut Reader,
         what: &str,
         name: &str,
