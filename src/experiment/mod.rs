@@ -16,9 +16,9 @@ pub mod manifest;
 pub mod read;
 pub mod results;
 pub mod run;
-pub mod table;
 pub mod schema;
 mod summary;
+pub mod table;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};

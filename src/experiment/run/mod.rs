@@ -130,8 +130,7 @@ pub fn run(
     Ok(Finished { records, warnings })
 }
 
-/// The number of replicates in one cell: sixteen blocks for error estimates by leaving out one, but none so long that an
-/// interruption would lose much. A function of the experiment alone, so that blocks are the same on every run.
+/// The number of replicates in one cell.
 fn block_length(experiment: &Experiment) -> usize {
-    experiment.replicates.div_ceil(16).clamp(1, 250)
+    super::budget::block_length(experiment.replicates)
 }
