@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 /// Products taken side by side in vector registers.
 const WIDTH: usize = 16;
 
-/// Expected time on one thread, from measured constants.
+/// Expected time on one thread; the constants are counts of operations, still to be measured.
 pub(super) fn nanoseconds(nodes: usize, margin: usize, outputs: usize) -> f64 {
     direct_cost(margin, outputs).min(transform_cost(nodes))
 }

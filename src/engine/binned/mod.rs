@@ -78,7 +78,7 @@ impl Engine<1> for Binned {
         let h = bandwidth(sum)?;
         let layout = Layout::choose(grid, h, sum.sample().len(), tolerance, self.refinement)?;
         let weighted = matches!(sum.sample().weights(), Weights::Each(_));
-        // measured on one thread: tables beyond the second-level cache cost more a point
+        // points without weights measured on one thread (tables beyond the second-level cache cost more); the rest estimated
         let point =
             if weighted { 2.6 } else { 1.3 } + 0.8 * (layout.nodes.count as f64 / 1e5).min(3.0);
         let nanoseconds = 5_000.0

@@ -33,7 +33,7 @@ const MOST_CELLS: f64 = (1 << 16) as f64;
 /// Cell moments and Hermite expansions.
 ///
 /// O(n + m) for the Gaussian kernel of fixed width on a line, weighted or not, at any targets; error at most the tolerance, down to about
-/// 10⁻¹² of the peak. On one thread a point costs 1.8 ns at 10⁻⁶, 2.7 ns at 10⁻¹⁰ and 10⁻¹² (a histogram: 1 ns). When the targets span
+/// 10⁻¹² of the peak. In a prototype of the inner loop, on one thread, a point cost 1.8 ns at 10⁻⁶ and 2.7 ns at 10⁻¹⁰ and 10⁻¹² (a histogram: 1 ns). When the targets span
 /// more than 65 536 fine cells (thousands of h) occupied cells are sorted instead, O(n log n + m log n).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hermite;
@@ -81,7 +81,7 @@ impl Engine<1> for Hermite {
         }
         let (n, m) = (sum.sample().len() as f64, targets.len() as f64);
         let weighted = matches!(sum.sample().weights(), Weights::Each(_));
-        // measured on one thread
+        // the cost of a point without weights was measured on one thread; the other constants are counts of operations, still to be measured
         let nanoseconds = if cells > MOST_CELLS {
             n * (20.0 + 8.0 * n.log2()) + m * 600.0
         } else {
