@@ -1,6 +1,7 @@
 //! The leading terms of the error as samples grow, where the density is smooth enough to have them.
 
 use super::Integrated;
+use crate::numeric::root;
 
 /// Why there are no leading terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -17,15 +18,24 @@ pub enum NoAsymptotics {
     Slope,
 }
 
-/// AMISE(h) = c hᵖ + v / h, and where it is least.
+/// AMISE(h) = c₂ h² + c₄ h⁴ + v / h, and where it is least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymptotic {
-    /// c: the integrated squared bias over hᵖ.
-    bias: f64,
+    /// c₂: what bins add to the integrated squared bias.
+    second: f64,
+    /// c₄: what smoothing adds to it.
+    fourth: f64,
     /// v: the integrated variance times h.
     variance: f64,
-    /// p: 4 for kernels, 2 for histograms.
-    power: i32,
+}
+
+/// `roughness`, or why it is of no use.
+fn finite(roughness: f64, otherwise: NoAsymptotics) -> Result<f64, NoAsymptotics> {
+    if roughness.is_finite() {
+        Ok(roughness)
+    } else {
+        Err(otherwise)
+    }
 }
 
 impl Asymptotic {
@@ -36,39 +46,69 @@ impl Asymptotic {
         curvature: f64,
         draws: f64,
     ) -> Result<Self, NoAsymptotics> {
-        if !curvature.is_finite() {
-            return Err(NoAsymptotics::Curvature);
-        }
+        let curvature = finite(curvature, NoAsymptotics::Curvature)?;
         Ok(Self {
-            bias: 0.25 * variance_of_kernel.powi(2) * curvature,
+            second: 0.0,
+            fourth: 0.25 * variance_of_kernel.powi(2) * curvature,
             variance: roughness_of_kernel / draws,
-            power: 4,
         })
     }
 
-    /// h² R(f')/12 + 1/(n h). [Scott 1992, eq. 3.29; Freedman & Diaconis 1981]
+    /// h² R(f')/12 + 1/(n h). [Freedman & Diaconis 1981; Scott 1992, section 3.3]
     pub(super) fn of_histogram(slope: f64, draws: f64) -> Result<Self, NoAsymptotics> {
-        if !slope.is_finite() {
-            return Err(NoAsymptotics::Slope);
-        }
         Ok(Self {
-            bias: slope / 12.0,
+            second: finite(slope, NoAsymptotics::Slope)? / 12.0,
+            fourth: 0.0,
             variance: 1.0 / draws,
-            power: 2,
         })
     }
 
-    /// The two terms at bandwidth or width `h`.
+    /// h² R(f')/(12 m²) + h⁴ (1 - 2/m² + 3/(5m⁴)) R(f'')/144 + 2 (1 + 1/(2m²))/(3 n h) for m ≥ 2 shifts. [Scott 1985; Scott 1992, section 5.1]
+    pub(super) fn of_shifted_histogram(
+        slope: f64,
+        curvature: f64,
+        shifts: f64,
+        draws: f64,
+    ) -> Result<Self, NoAsymptotics> {
+        let per = shifts.powi(-2);
+        let smoothing = 1.0 - 2.0 * per + 0.6 * per * per;
+        Ok(Self {
+            second: per * finite(slope, NoAsymptotics::Slope)? / 12.0,
+            fourth: smoothing * finite(curvature, NoAsymptotics::Curvature)? / 144.0,
+            variance: 2.0 * (1.0 + 0.5 * per) / (3.0 * draws),
+        })
+    }
+
+    /// 49 h⁴ R(f'')/2880 + 2/(3 n h). [Scott 1992, section 4.1]
+    pub(super) fn of_polygon(curvature: f64, draws: f64) -> Result<Self, NoAsymptotics> {
+        Ok(Self {
+            second: 0.0,
+            fourth: 49.0 * finite(curvature, NoAsymptotics::Curvature)? / 2880.0,
+            variance: 2.0 / (3.0 * draws),
+        })
+    }
+
+    /// Bias and variance at bandwidth or width `h`.
     pub fn at(&self, h: f64) -> Integrated {
         Integrated {
-            squared_bias: self.bias * h.powi(self.power),
+            squared_bias: self.second * h.powi(2) + self.fourth * h.powi(4),
             variance: self.variance / h,
         }
     }
 
-    /// Where their sum is least: (v / (p c))^(1/(p+1)).
+    /// Where their sum is least: 2 c₂ h³ + 4 c₄ h⁵ = v.
     pub fn best(&self) -> f64 {
-        let p = f64::from(self.power);
-        (self.variance / (p * self.bias)).powf(1.0 / (p + 1.0))
+        let alone = [
+            (0.5 * self.variance / self.second).cbrt(),
+            (0.25 * self.variance / self.fourth).powf(0.2),
+        ];
+        // either alone would do if the other were 0; both together need less
+        let most = alone[0].min(alone[1]);
+        if self.second == 0.0 || self.fourth == 0.0 {
+            return most;
+        }
+        let excess =
+            |h: f64| 2.0 * self.second * h.powi(3) + 4.0 * self.fourth * h.powi(5) - self.variance;
+        root(excess, 0.0, most).unwrap_or(most)
     }
 }

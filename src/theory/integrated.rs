@@ -32,7 +32,7 @@ pub struct Over {
 /// Integrates the errors of an estimate with these `moments` of `truth` over an interval.
 ///
 /// `cuts` are the places where the mean or the variance is not smooth, beside those of the density: bin edges, or for a kernel
-/// the density's [`Density::breaks`] ± h. Cost: 24 evaluations a panel; panels as in [`panels_of`].
+/// [`super::kernel_cuts`]. Cost: 24 evaluations a panel; panels as in [`panels_of`].
 pub fn integrate_over(
     truth: &dyn Density<1>,
     [low, high]: [f64; 2],

@@ -36,7 +36,7 @@ pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;
 pub use optimum::{Optimum, Oracle};
-pub use pointwise::kernel_moments;
+pub use pointwise::{kernel_cuts, kernel_moments};
 
 /// Mean and variance of an estimate at one place, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

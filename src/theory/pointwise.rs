@@ -59,6 +59,21 @@ pub fn kernel_moments(truth: &dyn Density<1>, shape: Shape, h: f64, draws: f64, 
     }
 }
 
+/// Where the mean of a kernel estimate is not smooth, or changes within less than the density does: around each break of `truth`, for [`super::integrate_over`].
+pub fn kernel_cuts(truth: &dyn Density<1>, shape: Shape, h: f64) -> Vec<f64> {
+    let offsets: &[f64] = match shape {
+        Shape::Gaussian => &[
+            -9.0, -7.5, -6.0, -4.5, -3.0, -1.5, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0,
+        ],
+        _ => &[-1.0, 1.0],
+    };
+    let breaks = truth.breaks(0);
+    let cuts = breaks
+        .iter()
+        .flat_map(|cut| offsets.iter().map(move |k| k.mul_add(h, *cut)));
+    cuts.collect()
+}
+
 /// (K_h * f)(x) and (K_h² * f)(x), for an f that lives between `low` and `high`.
 fn smoothed(
     shape: Shape,

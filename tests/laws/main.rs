@@ -4,3 +4,4 @@
 mod chance;
 mod density;
 mod estimator;
+mod theory;
