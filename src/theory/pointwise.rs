@@ -59,19 +59,21 @@ pub fn kernel_moments(truth: &dyn Density<1>, shape: Shape, h: f64, draws: f64, 
     }
 }
 
-/// Where the mean of a kernel estimate is not smooth, or changes within less than the density does: around each break of `truth`, for [`super::integrate_over`].
+/// Where the mean of a kernel estimate is not smooth, or changes within less than the density does, for [`super::integrate_over`]: where the edges
+/// of the kernel meet a break of `truth`, and where they pass over a component that is narrower than the kernel.
 pub fn kernel_cuts(truth: &dyn Density<1>, shape: Shape, h: f64) -> Vec<f64> {
-    let offsets: &[f64] = match shape {
-        Shape::Gaussian => &[
-            -9.0, -7.5, -6.0, -4.5, -3.0, -1.5, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0,
-        ],
-        _ => &[-1.0, 1.0],
-    };
-    let breaks = truth.breaks(0);
-    let cuts = breaks
-        .iter()
-        .flat_map(|cut| offsets.iter().map(move |k| k.mul_add(h, *cut)));
-    cuts.collect()
+    let ladder = |centre: f64, step: f64| (-6..=6).map(move |k| f64::from(k).mul_add(step, centre));
+    let breaks = truth.breaks(0).into_iter();
+    match (shape, components(truth)) {
+        (Shape::Gaussian, _) => breaks.flat_map(|cut| ladder(cut, 1.5 * h)).collect(),
+        (_, None) => breaks.flat_map(|cut| [cut - h, cut + h]).collect(),
+        (_, Some(parts)) => parts
+            .iter()
+            .filter(|part| part.deviation < h)
+            .flat_map(|part| [-h, h].map(|edge| (part.mean + edge, 1.5 * part.deviation)))
+            .flat_map(|(centre, step)| ladder(centre, step))
+            .collect(),
+    }
 }
 
 /// (K_h * f)(x) and (K_h² * f)(x), for an f that lives between `low` and `high`.
