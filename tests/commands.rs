@@ -16,7 +16,16 @@ fn old_faithful() -> String {
 
 #[test]
 fn help_is_data_and_teaches_by_example() {
-    for command in ["list", "estimate", "sample", "completions"] {
+    for command in [
+        "run",
+        "check",
+        "list",
+        "estimate",
+        "oracle",
+        "sample",
+        "schema",
+        "completions",
+    ] {
         let help = Bench::new()
             .run(&[command, "--help"])
             .succeeds()
@@ -118,6 +127,155 @@ fn completions_are_there_for_every_shell() {
         .shell("source <(lab completions bash) && complete -p lab")
         .succeeds()
         .prints("_lab");
+}
+
+#[test]
+fn the_oracle_knows_the_published_optima() {
+    let oracle = |density, n| {
+        let all = [
+            "oracle",
+            "--density",
+            density,
+            "--kernel",
+            "gaussian",
+            "--n",
+            n,
+            "--json",
+        ];
+        Bench::new().run(&all).succeeds().says_nothing().json()
+    };
+    let near = |value: &serde_json::Value, expected: f64| {
+        let value = value.as_f64().unwrap();
+        assert!((value / expected - 1.0).abs() < 2e-4, "{value} {expected}");
+    };
+    let normal = oracle("normal", "100");
+    near(&normal["h_mise"], 0.4455);
+    near(&normal["mise"], 5.410e-3);
+    let bimodal = oracle("bimodal", "200");
+    near(&bimodal["h_mise"], 0.3217);
+    near(&bimodal["mise"], 4.570e-3);
+    assert!(bimodal["h_amise"].is_number() && bimodal["amise"].is_number());
+    let sum = bimodal["bias2"].as_f64().unwrap() + bimodal["variance"].as_f64().unwrap();
+    near(&bimodal["mise"], sum);
+    // the claw has a second low
+    let claw = oracle("claw", "50");
+    assert_eq!(claw["other_minima"].as_array().unwrap().len(), 1);
+    assert!(claw["other_minima"][0]["mise"].as_f64() > claw["mise"].as_f64());
+    // where a density jumps there is no AMISE, and the answer says why
+    let uniform = oracle("uniform", "100");
+    assert!(uniform["h_amise"].is_null() && uniform["amise"].is_null());
+    assert!(uniform["reason"].as_str().unwrap().contains("infinite"));
+}
+
+#[test]
+fn the_oracle_prices_another_bandwidth() {
+    let told = Bench::new()
+        .run(&[
+            "oracle",
+            "--density",
+            "bimodal",
+            "--n",
+            "200",
+            "--bandwidth",
+            "0.1",
+            "--json",
+        ])
+        .succeeds()
+        .json();
+    assert!(
+        (told["ratio"].as_f64().unwrap() - 2.84).abs() < 0.005,
+        "{told}"
+    );
+    assert!(
+        (told["variance"].as_f64().unwrap() - 0.0129).abs() < 5e-5,
+        "{told}"
+    );
+    let text = Bench::new()
+        .run(&[
+            "oracle",
+            "--density",
+            "bimodal",
+            "--n",
+            "200",
+            "--bandwidth",
+            "0.1",
+        ])
+        .succeeds();
+    text.prints("h_mise    0.32171\n")
+        .prints("at bandwidth 0.1:\n  ratio     2.83554\n");
+}
+
+#[test]
+fn the_schema_is_a_schema() {
+    let schema = Bench::new()
+        .run(&["schema"])
+        .succeeds()
+        .says_nothing()
+        .json();
+    assert!(
+        schema["$schema"]
+            .as_str()
+            .unwrap()
+            .contains("json-schema.org")
+    );
+    assert!(schema["properties"]["estimator"].is_object());
+}
+
+#[test]
+fn a_picture_is_drawn_where_a_picture_is_asked_for() {
+    let bench = Bench::new();
+    bench
+        .run(&[
+            "estimate",
+            &old_faithful(),
+            "-c",
+            "eruption_min",
+            "-e",
+            KERNEL,
+            "-o",
+            "a.svg",
+        ])
+        .succeeds()
+        .prints_nothing()
+        .says_nothing();
+    let picture = bench.text("a.svg");
+    assert!(picture.starts_with("<svg") || picture.starts_with("<?xml"));
+    assert!(picture.ends_with("</svg>") || picture.ends_with("</svg>\n"));
+    assert!(picture.contains("eruption_min"));
+    // names are text, not markup
+    let bench = Bench::new().with("x.csv", "<script>\n1\n2\n");
+    bench
+        .run(&[
+            "estimate", "x.csv", "-c", "<script>", "-e", KERNEL, "-o", "b.svg",
+        ])
+        .succeeds();
+    assert!(!bench.text("b.svg").contains("<script>"));
+}
+
+#[test]
+fn a_run_ends_with_the_verdict_on_its_claims() {
+    let experiment = |factor: &str| {
+        format!(
+            "question = \"Which?\"\nsource = {{ density = \"normal\" }}\ndraws = 100\nreplicates = 40\n[[estimator]]\nname = \"good\"\nkernel = {{ bandwidth = 0.45 }}\n[[estimator]]\nname = \"bad\"\nkernel = {{ bandwidth = 0.05 }}\n[[claim]]\nmise = {{ of = \"good\", below = \"bad\", by = {factor} }}\n"
+        )
+    };
+    let bench = Bench::new()
+        .with("right.toml", experiment("2"))
+        .with("wrong.toml", experiment("1000"));
+    bench
+        .run(&["run", "right.toml", "--out", "right"])
+        .succeeds();
+    bench
+        .run(&["run", "wrong.toml", "--out", "wrong"])
+        .ends_with(1);
+    for folder in ["right", "wrong"] {
+        assert!(bench.path(folder).join("report.html").is_file());
+        assert!(bench.path(folder).join("manifest.json").is_file());
+    }
+    assert_eq!(
+        bench.listing(),
+        ["right", "right.toml", "wrong", "wrong.toml"]
+    );
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! 3 the system failed, 130 interrupted ([`stop::Stop`]). A reader that goes away early is no failure.
 
 mod argument;
+mod check;
 mod completions;
 mod estimate;
 mod estimator;
@@ -15,6 +16,7 @@ mod output;
 mod phases;
 mod run;
 mod sample;
+mod schema;
 mod stop;
 mod summary;
 
@@ -42,6 +44,8 @@ struct Lab {
 const EXAMPLES: &str = "\
 Examples:
   lab list                                        what there is
+  lab check experiments/bimodal.toml              is it right, and what will it cost?
+  lab run experiments/bimodal.toml                tables, figures, a report
   lab oracle --density bimodal --n 200            the best bandwidth, exactly
   lab sample --density bimodal --n 200 | lab estimate - --estimator 'kernel = { bandwidth = 0.3 }'
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
@@ -52,10 +56,12 @@ Exit codes: 0 done, 1 a claim failed, 2 bad input, 3 the system failed, 130 inte
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Run),
+    Check(check::Check),
     List(list::List),
     Estimate(estimate::Estimate),
     Oracle(oracle::Oracle),
     Sample(sample::Sample),
+    Schema(schema::Schema),
     Completions(completions::Completions),
 }
 
@@ -63,10 +69,12 @@ impl Command {
     fn run(self, notes: Notes) -> Result<(), Stop> {
         match self {
             Self::Run(run) => run.run(notes),
+            Self::Check(check) => check.run(),
             Self::List(list) => list.run(notes),
             Self::Estimate(estimate) => estimate.run(notes),
             Self::Oracle(oracle) => oracle.run(notes),
             Self::Sample(sample) => sample.run(),
+            Self::Schema(_) => schema::Schema::run(),
             Self::Completions(completions) => completions.run(),
         }
     }
