@@ -6,7 +6,7 @@
 //! `cargo bench --bench engine -- 'gaussian on a grid'` runs one group, `-- hermite` one engine.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use density_lab::engine::{Binned, Direct, Engine, Hermite};
+use density_lab::engine::{Binned, Direct, Engine, Hermite, Interval, Sorted};
 use density_lab::kernel::{Bandwidth, KernelSum, Shape};
 use density_lab::sample::Sample;
 use density_lab::space::{Domain, Grid, Point, Targets, binning};
@@ -57,6 +57,32 @@ fn on_a_grid() -> Vec<Contestant> {
     ]
 }
 
+/// Engines of compact kernels on the same grid. Add an engine here.
+fn compact_on_a_grid() -> Vec<Contestant> {
+    let best = Shape::Epanechnikov;
+    vec![
+        contestant("direct", Direct, best, 1e-12, 10_000),
+        contestant("interval", Interval, best, 1e-12, usize::MAX),
+        contestant(
+            "interval, triweight",
+            Interval,
+            Shape::Triweight,
+            1e-12,
+            usize::MAX,
+        ),
+        contestant("sorted", Sorted, best, 1e-12, usize::MAX),
+    ]
+}
+
+/// The same at the data.
+fn compact_at_the_data() -> Vec<Contestant> {
+    let best = Shape::Epanechnikov;
+    vec![
+        contestant("direct", Direct, best, 1e-12, 1000),
+        contestant("sorted", Sorted, best, 1e-12, 1_000_000),
+    ]
+}
+
 /// Engines for targets at the data themselves, as in cross-validation.
 fn at_the_data() -> Vec<Contestant> {
     vec![
@@ -87,6 +113,16 @@ fn sizes() -> impl Iterator<Item = usize> {
 }
 
 fn grid(bench: &mut Criterion) {
+    over_a_grid(bench, "gaussian on a grid", &on_a_grid());
+    over_a_grid(bench, "compact on a grid", &compact_on_a_grid());
+}
+
+fn scattered(bench: &mut Criterion) {
+    over_the_data(bench, "gaussian at the data", &at_the_data());
+    over_the_data(bench, "compact at the data", &compact_at_the_data());
+}
+
+fn over_a_grid(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
     let grid = Grid::new([-5.5], [5.5], [CELLS]).expect("legal");
     let mesh = binning::Mesh {
         origin: -5.5,
@@ -94,7 +130,7 @@ fn grid(bench: &mut Criterion) {
         first: 0.0,
         count: CELLS,
     };
-    let mut group = bench.benchmark_group("gaussian on a grid");
+    let mut group = bench.benchmark_group(name);
     group
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
@@ -105,7 +141,7 @@ fn grid(bench: &mut Criterion) {
         group.bench_function(BenchmarkId::new("histogram", n), |b| {
             b.iter(|| binning::count(black_box(points.as_flattened()), mesh));
         });
-        for c in on_a_grid().iter().filter(|c| n <= c.most) {
+        for c in contestants.iter().filter(|c| n <= c.most) {
             let sum = sum(&points, c.shape);
             group.bench_function(BenchmarkId::new(c.name, n), |b| {
                 b.iter(|| {
@@ -121,8 +157,8 @@ fn grid(bench: &mut Criterion) {
     group.finish();
 }
 
-fn scattered(bench: &mut Criterion) {
-    let mut group = bench.benchmark_group("gaussian at the data");
+fn over_the_data(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
+    let mut group = bench.benchmark_group(name);
     group
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
@@ -130,7 +166,7 @@ fn scattered(bench: &mut Criterion) {
     for n in sizes() {
         let points = points(n);
         group.throughput(Throughput::Elements(n as u64));
-        for c in at_the_data().iter().filter(|c| n <= c.most) {
+        for c in contestants.iter().filter(|c| n <= c.most) {
             let sum = sum(&points, c.shape);
             group.bench_function(BenchmarkId::new(c.name, n), |b| {
                 b.iter(|| {

@@ -1,21 +1,32 @@
 //! Computing a kernel sum. An engine changes what a result costs, never what it means.
 //!
 //! The [`KernelSum`] itself is the definition; [`Direct`] evaluates it as written and judges the others, each of which states its error
-//! bound before it starts. `plan` asks all for a quote and takes the cheapest within the tolerance.
+//! bound before it starts. [`plan()`] asks all for a quote and takes the cheapest within the tolerance.
 //!
 //! | engine | sums | targets | error (relative to the ceiling) | cost | file |
 //! |---|---|---|---|---|---|
 //! | direct | any | any | rounding | n·m | `direct.rs` |
+//! | interval | compact kernels, fixed width, a line | a grid | rounding | n + m | `interval/` |
+//! | sorted | compact kernels, fixed width, a line | any | rounding | n log n + m | `sorted.rs` |
 //! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
 
+mod basis;
 mod binned;
+mod bound;
 mod direct;
 mod hermite;
+mod interval;
+mod ladder;
+mod plan;
+mod sorted;
 
 pub use binned::Binned;
 pub use direct::Direct;
 pub use hermite::Hermite;
+pub use interval::Interval;
+pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
+pub use sorted::Sorted;
 
 use crate::kernel::KernelSum;
 use crate::space::{Field, Targets};

@@ -3,5 +3,6 @@
 
 mod chance;
 mod density;
+mod engine;
 mod estimator;
 mod theory;

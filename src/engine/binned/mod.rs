@@ -50,6 +50,9 @@ pub struct Binned {
 impl Binned {
     const NAME: &'static str = "binned";
 
+    /// As many nodes as the tolerance needs.
+    pub const AUTOMATIC: Self = Self { refinement: None };
+
     /// Bins at `refinement` nodes per cell of the output grid, whatever the tolerance says. With 1 it does what common software does. Where
     /// the bound then exceeds the tolerance, the answer carries a warning.
     pub fn with_refinement(refinement: NonZeroUsize) -> Self {
