@@ -4,12 +4,12 @@ use super::width::best;
 use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::boundary::{Boundary, Ignore};
 use crate::density::Density;
-use crate::engine::{Direct, Engine};
+use crate::engine::{EXACT, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
-use crate::space::{Field, Point};
+use crate::space::{Domain, Evaluation, Field, Point, Targets};
 use crate::theory::{KernelError, kernel_moments};
 use std::sync::Arc;
 
@@ -24,6 +24,34 @@ pub struct Kde {
     shape: Shape,
     width: Width,
     boundary: Box<dyn Boundary<1>>,
+    /// The engine that is forced, if any.
+    engine: Option<&'static str>,
+    /// What an engine may be off by, relative to the ceiling of the sum.
+    tolerance: f64,
+}
+
+/// A sum of bumps that are nowhere negative: what an engine rounds to below zero is zero.
+struct NonNegative(Planned<1>);
+
+impl Field<1> for NonNegative {
+    fn domain(&self) -> &Domain<1> {
+        self.0.domain()
+    }
+
+    fn at(&self, x: Point<1>) -> f64 {
+        self.0.at(x)
+    }
+
+    fn evaluate(&self, targets: Targets<'_, 1>) -> Evaluation {
+        let mut evaluation = self.0.evaluate(targets);
+        for value in &mut evaluation.values {
+            // not `max`, which would hide what is not a number
+            if *value < 0.0 {
+                *value = 0.0;
+            }
+        }
+        evaluation
+    }
 }
 
 impl Estimator<1> for Kde {
@@ -50,10 +78,9 @@ impl Estimator<1> for Kde {
         };
         let field = |sample: Sample<1>| -> Result<Arc<dyn Field<1>>, FitError> {
             let sum = KernelSum::new(sample, self.shape, bandwidth.clone())?;
-            let compute = |sum| {
-                Direct
-                    .prepare(sum, 0.0)
-                    .expect("the definition computes every sum")
+            let compute = |sum| -> Box<dyn Field<1>> {
+                let planned = Planned::new(LINE, sum, self.tolerance, self.engine);
+                Box::new(NonNegative(planned.expect("only known engines are built in")))
             };
             Ok(self.boundary.correct(sum, &compute).into())
         };
@@ -84,6 +111,9 @@ impl Estimator<1> for Kde {
     }
 }
 
+/// Free choice, or one of the engines of the line by name.
+const ENGINES: [&str; 6] = ["auto", "direct", "interval", "sorted", "hermite", "binned"];
+
 /// The bandwidth of the kernel estimator and its kin.
 pub(super) const BANDWIDTH: Parameter = Parameter::required(
     "bandwidth",
@@ -108,6 +138,18 @@ impl Described for Kde {
             "the kernel",
         ),
         BANDWIDTH,
+        Parameter::optional(
+            "engine",
+            Kind::Choice(&ENGINES),
+            Absent::Word("auto"),
+            "how the sum is computed, never what it is; auto: the fastest that is exact enough",
+        ),
+        Parameter::optional(
+            "tolerance",
+            Kind::Positive,
+            Absent::Number(EXACT),
+            "what computing may be off by, relative to the value if all points were at one place",
+        ),
         Parameter::optional(
             "boundary",
             Kind::Choice(&["ignore"]),
@@ -154,6 +196,21 @@ impl Kde {
             shape,
             width,
             boundary: Box::new(Ignore),
+            engine: values
+                .word("engine")
+                .and_then(|word| ENGINES[1..].iter().find(|name| **name == word).copied()),
+            tolerance: values.number("tolerance").unwrap_or(EXACT),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_engine_of_the_line_can_be_asked_for() {
+        let names: Vec<&str> = LINE.iter().map(|engine| engine.name()).collect();
+        assert_eq!(ENGINES[1..], names);
     }
 }

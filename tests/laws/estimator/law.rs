@@ -513,7 +513,8 @@ fn many_targets(subject: &Subject, data: &Data) -> Option<String> {
     let estimate = fit!(subject.plain(), &data.sample());
     let (low, high) = span(&data.targets);
     let grid = Grid::new([low], [high + 1.0], [64]).unwrap();
-    let ceiling = data.sample().mass() / length(&estimate, &data.points);
+    // no kernel is higher than 1.1
+    let ceiling = 1.1 * data.sample().mass() / length(&estimate, &data.points);
     let places: Vec<[f64; 1]> = data.targets.iter().map(|&x| [x]).collect();
     for targets in [Targets::Grid(&grid), Targets::Points(&places)] {
         let evaluation = estimate.evaluate(targets);
