@@ -60,6 +60,9 @@ pub struct Plan<const D: usize> {
 ///
 /// # Errors
 /// If the forced engine does not exist or cannot compute this.
+///
+/// # Panics
+/// If no engine of the list computes the sum; the definition computes every one.
 pub fn plan<const D: usize>(
     engines: &[&'static dyn Engine<D>],
     sum: &KernelSum<D>,
@@ -299,6 +302,7 @@ impl<const D: usize> Field<D> for Planned<D> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::engine::EXACT;

@@ -80,7 +80,9 @@ impl Estimator<1> for Kde {
             let sum = KernelSum::new(sample, self.shape, bandwidth.clone())?;
             let compute = |sum| -> Box<dyn Field<1>> {
                 let planned = Planned::new(LINE, sum, self.tolerance, self.engine);
-                Box::new(NonNegative(planned.expect("only known engines are built in")))
+                Box::new(NonNegative(
+                    planned.expect("only known engines are built in"),
+                ))
             };
             Ok(self.boundary.correct(sum, &compute).into())
         };

@@ -248,7 +248,7 @@ impl Drop for Browser {
 fn request(port: u16, method: &str, path: &str, body: Option<&Value>) -> (u16, Value) {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("the driver listens");
     stream
-        .set_read_timeout(Some(Duration::from_mins(2)))
+        .set_read_timeout(Some(Duration::from_secs(120)))
         .expect("a timeout");
     let body = body.map(Value::to_string).unwrap_or_default();
     let head = format!(

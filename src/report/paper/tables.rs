@@ -25,7 +25,7 @@ pub(super) fn of(material: &Material<'_>, group: &Group) -> Vec<Table> {
 /// A column: its heading, and what stands in it for an estimator.
 type Column<'a> = (&'a str, Box<dyn Fn(usize, &Outcome) -> Cell + 'a>);
 
-fn table(title: String, caption: &str, group: &Group, columns: Vec<Column<'_>>) -> Table {
+fn table(title: String, caption: &str, group: &Group, columns: &[Column<'_>]) -> Table {
     let rows = group.outcomes.iter().enumerate().map(|(number, outcome)| {
         let cells = columns.iter().map(|(_, cell)| cell(number, outcome));
         [Cell::text(&outcome.name)]
@@ -45,7 +45,7 @@ fn table(title: String, caption: &str, group: &Group, columns: Vec<Column<'_>>) 
     }
 }
 
-fn measured<'a>(heading: &'a str, measure: Measure) -> Column<'a> {
+fn measured(heading: &str, measure: Measure) -> Column<'_> {
     let cell = move |_: usize, outcome: &Outcome| {
         outcome
             .measures
@@ -64,7 +64,7 @@ fn errors(name: &str, group: &Group) -> Table {
         "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. MIRE where the truth is at \
          least 1 % of its peak. Energy: the integral of the estimate over the grid relative to the truth's.",
         group,
-        vec![
+        &[
             measured("MISE", Measure::Mise),
             measured("exact", Measure::ExactMise),
             measured("MIAE", Measure::Miae),
@@ -97,7 +97,7 @@ fn parts(name: &str, material: &Material<'_>, group: &Group) -> Table {
         let caption = format!(
             "No true density is known, so there are no errors. {bandwidths} The integral is over the grid."
         );
-        return table(name.to_owned(), &caption, group, columns);
+        return table(name.to_owned(), &caption, group, &columns);
     }
     columns.extend([
         measured("bias²", Measure::Bias2),
@@ -112,7 +112,7 @@ fn parts(name: &str, material: &Material<'_>, group: &Group) -> Table {
         format!("Bandwidth, bias and variance: {name}"),
         &caption,
         group,
-        columns,
+        &columns,
     )
 }
 
