@@ -81,13 +81,19 @@ pub fn significant(value: f64, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         fixed(value, decimals(exponent, digits))
     } else {
-        let mantissa = value / 10f64.powi(exponent);
-        format!(
-            "{}\u{202f}×\u{202f}{}",
-            fixed(mantissa, digits.saturating_sub(1)),
-            power(exponent)
-        )
+        scientific(value, digits)
     }
+}
+
+/// `value` as a number below ten times a power of ten.
+fn scientific(value: f64, digits: usize) -> String {
+    let exponent = exponent(value, digits);
+    let mantissa = value / 10f64.powi(exponent);
+    format!(
+        "{}\u{202f}×\u{202f}{}",
+        fixed(mantissa, digits.saturating_sub(1)),
+        power(exponent)
+    )
 }
 
 /// `value` with its standard error, to the error's second digit: `0.00457 ± 0.00031`, or `(4.57 ± 0.31) × 10⁻⁵`.
@@ -184,6 +190,8 @@ impl Column {
     pub fn print(&self, value: f64) -> String {
         match self.decimals {
             Some(decimals) => fixed(value / 10f64.powi(self.power), decimals),
+            // All in the same notation, so that the powers can be compared.
+            None if value != 0.0 && value.is_finite() => scientific(value, self.digits),
             None => significant(value, self.digits),
         }
     }
@@ -355,7 +363,10 @@ mod tests {
         let column = Column::of([(1.0, None), (1e-12, None)], 3);
         assert_eq!(
             (column.print(1.0), column.print(1e-12)),
-            ("1.00".into(), "1.00\u{202f}×\u{202f}10⁻¹²".into())
+            (
+                "1.00\u{202f}×\u{202f}10⁰".into(),
+                "1.00\u{202f}×\u{202f}10⁻¹²".into()
+            )
         );
         assert_eq!(Column::of([], 3).print(f64::NAN), "–");
     }

@@ -31,7 +31,7 @@ pub struct Modes {
 }
 
 /// Mode counts from this one on share a column.
-const MOST: usize = 10;
+const MOST: usize = 15;
 const BAND: f64 = 46.0;
 const BAR: f64 = 26.0;
 

@@ -99,7 +99,10 @@ impl Table {
                 };
                 // The first column names the row.
                 if column == 0 && textual[0] {
-                    let _ = write!(body, "<th scope=\"row\">{cell}</th>");
+                    let _ = write!(
+                        body,
+                        "<th scope=\"row\"><span class=\"name\">{cell}</span></th>"
+                    );
                 } else {
                     let _ = write!(body, "<td{}>{cell}</td>", class(column));
                 }
@@ -186,11 +189,11 @@ mod tests {
         );
         assert!(
             html.contains(
-                "<th scope=\"row\">h &lt; 0.1</th><td class=\"number\">100\u{202f}000</td>"
+                "<th scope=\"row\"><span class=\"name\">h &lt; 0.1</span></th><td class=\"number\">100\u{202f}000</td>"
             )
         );
         assert!(html.contains(
-            "<th scope=\"row\">missing</th><td class=\"number\"></td><td class=\"number\"></td>"
+            "<th scope=\"row\"><span class=\"name\">missing</span></th><td class=\"number\"></td><td class=\"number\"></td>"
         ));
     }
 }
