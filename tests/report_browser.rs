@@ -1,7 +1,7 @@
 //! The report in a real browser: the slider moves curve and numbers, nothing fails, nothing is asked of a network, and no name
 //! becomes a program. Skipped, with a message, where there is no chromium with its driver.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::format_push_string)]
 
 #[path = "support/browser.rs"]
 mod browser;

@@ -70,18 +70,7 @@ pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
                 .map(|group| judge_one(bench, number, claim, group))
                 .collect();
             let holds = !rulings.is_empty() && rulings.iter().all(|(holds, _)| *holds);
-            let several = groups.len() > 1;
-            let details = rulings
-                .into_iter()
-                .zip(&groups)
-                .map(|((_, detail), group)| {
-                    if several {
-                        format!("{}, n = {}: {detail}", group.name, group.draws)
-                    } else {
-                        detail
-                    }
-                });
-            let detail = details.collect::<Vec<_>>().join("; ");
+            let detail = summarise(&rulings, &groups);
             Verdict {
                 claim: number,
                 outcome: if holds { Ruling::Holds } else { Ruling::Fails },
@@ -89,6 +78,36 @@ pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
             }
         })
         .collect()
+}
+
+/// The numbers of a claim in words: of each group, or of those where it fails and one other where there are many.
+fn summarise(rulings: &[(bool, String)], groups: &[&Group]) -> String {
+    const MANY: usize = 3;
+    if let [(_, detail)] = rulings {
+        return detail.clone();
+    }
+    let holds = rulings.iter().filter(|(holds, _)| *holds).count();
+    let mut example = holds == rulings.len();
+    let told = rulings
+        .iter()
+        .zip(groups)
+        .filter(|((holds, _), _)| rulings.len() <= MANY || !holds || std::mem::take(&mut example));
+    let told: Vec<String> = told
+        .map(|((_, detail), group)| format!("{}, n = {}: {detail}", group.name, group.draws))
+        .collect();
+    if rulings.len() <= MANY {
+        return told.join("; ");
+    }
+    let which = if holds == rulings.len() {
+        "for instance"
+    } else {
+        "but not"
+    };
+    format!(
+        "{holds} of {} cases hold, {which} {}",
+        rulings.len(),
+        told.join("; ")
+    )
 }
 
 fn concerns(claim: &Claim, group: &Group) -> bool {

@@ -14,12 +14,7 @@ use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Verdict, War
 
 pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Picture>) -> String {
     let experiment = material.bench.experiment();
-    let tables = material
-        .results
-        .groups
-        .iter()
-        .flat_map(|group| tables::of(material, group))
-        .collect();
+    let tables = tables::all(material);
     Page {
         question: experiment.question.clone(),
         notes: experiment.notes.clone(),

@@ -66,7 +66,8 @@ pub(super) fn draw(
         y: Axis::new("integrated squared error", "").logarithmic(),
         traces: traces(material, group, of),
         markers: markers(material, group, of, mark),
-        ..Sweep::default()
+        interval: "95 % interval".to_owned(),
+        minima: minima(material, group, of),
     }
     .draw()
 }
@@ -87,6 +88,30 @@ pub(super) fn traces(material: &Material<'_>, group: &Group, of: &str) -> Vec<Tr
         trace(material, group, of, (name, part), simulated, exact)
     })
     .to_vec()
+}
+
+/// Where the exact MISE has its minima, the deepest first.
+fn minima(material: &Material<'_>, group: &Group, of: &str) -> Vec<(f64, f64)> {
+    let Some((shape, truth)) = shape_of(material, of).zip(material.bench.truth(group.source))
+    else {
+        return Vec::new();
+    };
+    let optimum = theory::KernelError::new(&**truth, shape).optimum(group.draws as f64);
+    let others = optimum
+        .others
+        .iter()
+        .map(|minimum| (minimum.at, minimum.value));
+    [(optimum.at, optimum.error.mise())]
+        .into_iter()
+        .chain(others)
+        .collect()
+}
+
+/// The kernel that a sweep's estimators have in common, where they have one.
+fn shape_of(material: &Material<'_>, of: &str) -> Option<Shape> {
+    let &(_, number) = members(material, of).first()?;
+    let spec = &material.bench.experiment().estimators[number];
+    spec.values.word("shape").and_then(Shape::named)
 }
 
 /// What the swept parameter is called on an axis.
@@ -110,11 +135,7 @@ pub(super) fn markers(
     of: &str,
     mark: &[String],
 ) -> Vec<Marker> {
-    let Some(&(_, number)) = members(material, of).first() else {
-        return Vec::new();
-    };
-    let spec = &material.bench.experiment().estimators[number];
-    let Some(shape) = spec.values.word("shape").and_then(Shape::named) else {
+    let Some(shape) = shape_of(material, of) else {
         return Vec::new();
     };
     let oracle = material

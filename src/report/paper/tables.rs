@@ -10,8 +10,42 @@ use crate::report::page::{Cell, Table};
 /// Pairs are compared in the page for at most so many estimators.
 const PAIRED: usize = 5;
 
+/// Beyond so many groups their tables are joined, one row a group and estimator, and pairs are left to the file.
+const APART: usize = 3;
+
+/// The tables about all groups.
+pub(super) fn all(material: &Material<'_>) -> Vec<Table> {
+    let groups = &material.results.groups;
+    if groups.len() <= APART {
+        return groups
+            .iter()
+            .flat_map(|group| of(material, group))
+            .collect();
+    }
+    let mut joined: Vec<Table> = Vec::new();
+    for group in groups {
+        let name = format!("{}, n = {}", group.name, group.draws);
+        let errors = group.truth.is_some().then(|| errors("all samples", group));
+        for mut table in errors
+            .into_iter()
+            .chain([parts("all samples", material, group)])
+        {
+            for row in &mut table.rows {
+                row.insert(0, Cell::text(&name));
+            }
+            if let Some(known) = joined.iter_mut().find(|known| known.title == table.title) {
+                known.rows.append(&mut table.rows);
+            } else {
+                table.columns.insert(0, "sample".to_owned());
+                joined.push(table);
+            }
+        }
+    }
+    joined
+}
+
 /// The tables about one group.
-pub(super) fn of(material: &Material<'_>, group: &Group) -> Vec<Table> {
+fn of(material: &Material<'_>, group: &Group) -> Vec<Table> {
     let name = format!("{}, n = {}", group.name, group.draws);
     let mut tables = Vec::new();
     if group.truth.is_some() {
@@ -21,6 +55,9 @@ pub(super) fn of(material: &Material<'_>, group: &Group) -> Vec<Table> {
     tables.extend(pairs(&name, group));
     tables
 }
+
+/// A standard error below this share of its value says nothing that the reader of a page could use; the files keep it.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// A column: its heading, and what stands in it for an estimator.
 type Column<'a> = (&'a str, Box<dyn Fn(usize, &Outcome) -> Cell + 'a>);
@@ -51,7 +88,7 @@ fn measured(heading: &str, measure: Measure) -> Column<'_> {
             .measures
             .get(&measure)
             .map_or(Cell::Empty, |m| match m.standard_error {
-                Some(error) if error > 0.0 => Cell::measured(m.value, error),
+                Some(error) if error > NEGLIGIBLE * m.value.abs() => Cell::measured(m.value, error),
                 _ => Cell::exact(m.value),
             })
     };
