@@ -88,7 +88,15 @@ impl Estimator<1> for Spoilt {
         } else {
             (0..sample.channels())
                 .map(|c| -> Result<Arc<dyn Field<1>>, FitError> {
-                    Ok(Arc::new(self.good.fit(&sample.channel(c))?))
+                    let channel = sample.channel(c);
+                    if channel.mass() > 0.0 {
+                        return Ok(Arc::new(self.good.fit(&channel)?));
+                    }
+                    Ok(Arc::new(SpoiltField {
+                        good: self.good.fit(&prepared)?,
+                        spoil: Some(Arc::new(|_, _| 0.0)),
+                        only_many: false,
+                    }))
                 })
                 .collect::<Result<_, _>>()?
         };
