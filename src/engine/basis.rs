@@ -25,6 +25,9 @@ pub(super) trait Basis<const N: usize>: Copy + Send + Sync {
     /// Whether lifting does anything; if not, the lifted numbers of a datum are its distance and nothing.
     const LIFTS: bool;
 
+    /// Whether the kernel has two pieces, left and right of 0.
+    const KINKED: bool;
+
     /// Turns the distances of a chunk of data into the two numbers from which [`Basis::row`] makes the moments of one datum.
     fn lift(self, first: &mut [f64; CHUNK], second: &mut [f64; CHUNK]);
 
@@ -61,6 +64,8 @@ impl<const N: usize> Powers<N> {
 
 impl<const N: usize> Basis<N> for Powers<N> {
     const LIFTS: bool = false;
+    // of the kernels, those of first degree in |u| and no others are not one polynomial in u
+    const KINKED: bool = N == 2;
 
     #[inline(always)]
     fn lift(self, _first: &mut [f64; CHUNK], _second: &mut [f64; CHUNK]) {}
@@ -140,6 +145,7 @@ const SINE: [f64; 11] = taylor(1);
 
 impl Basis<2> for Waves {
     const LIFTS: bool = true;
+    const KINKED: bool = false;
 
     #[inline(always)]
     fn lift(self, first: &mut [f64; CHUNK], second: &mut [f64; CHUNK]) {

@@ -62,7 +62,7 @@ pub struct Plan<const D: usize> {
 /// If the forced engine does not exist or cannot compute this.
 ///
 /// # Panics
-/// If no engine of the list computes the sum; the definition computes every one.
+/// If none of `engines` can: [`Direct`] always can.
 pub fn plan<const D: usize>(
     engines: &[&'static dyn Engine<D>],
     sum: &KernelSum<D>,
@@ -302,7 +302,7 @@ impl<const D: usize> Field<D> for Planned<D> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, clippy::float_cmp)]
 mod tests {
     use super::*;
     use crate::engine::EXACT;

@@ -1,6 +1,6 @@
 //! Compact kernels at scattered targets, exact, from data sorted once.
 //!
-//! The data are brought into ascending *blocks* of about ten - one counting pass on evenly spaced bins, with a true sort only inside
+//! The data are brought into ascending *blocks* of about sixteen - one counting pass on evenly spaced bins, with a true sort only inside
 //! bins that are crowded - and each block keeps its moments. The blocks that lie entirely in the window of a target are summed by the
 //! [`Ladder`]; the one or two that an end of the window cuts are evaluated by the definition, datum by datum, so that what is in and
 //! what is out is decided exactly as there.
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 pub struct Sorted;
 
 /// Data per block: as many as can be evaluated in the time that finding them takes.
-const BLOCK: usize = 8;
+const BLOCK: usize = 16;
 
 /// Bins with more data than this are sorted and cut.
 const CROWDED: usize = 3 * BLOCK;

@@ -146,11 +146,10 @@ fn compute<B: Basis<N>, const N: usize>(
     basis: B,
 ) -> Vec<f64> {
     let partition = Partition::new(lattice);
-    let total = match (lattice.kink, lattice.doubt > 0.0) {
-        (false, false) => sweep::<B, N, false, false>(sum, lattice, &partition, basis),
-        (false, true) => sweep::<B, N, false, true>(sum, lattice, &partition, basis),
-        (true, false) => sweep::<B, N, true, false>(sum, lattice, &partition, basis),
-        (true, true) => sweep::<B, N, true, true>(sum, lattice, &partition, basis),
+    let total = if lattice.doubt > 0.0 {
+        sweep::<B, N, true>(sum, lattice, &partition, basis)
+    } else {
+        sweep::<B, N, false>(sum, lattice, &partition, basis)
     };
     // the first and the last interval lie beyond all windows
     let last = total.rows.len() - 1;
@@ -163,7 +162,7 @@ fn compute<B: Basis<N>, const N: usize>(
         })
         .collect();
     let h = lattice.h;
-    let window = if lattice.kink { h } else { 2.0 * h };
+    let window = if B::KINKED { h } else { 2.0 * h };
     let ladder = Ladder::new(basis, h.recip(), window, items);
     let factor = match sum.sample().weights() {
         Weights::Equal(weight) => weight / h,
@@ -175,7 +174,7 @@ fn compute<B: Basis<N>, const N: usize>(
             let x = lattice.grid.coordinate(0, j);
             // less one: the ladder begins with the second interval
             let [enter, pass, leave] = partition.windows[j].map(|k| (k as usize).wrapping_sub(1));
-            let inside = if lattice.kink {
+            let inside = if B::KINKED {
                 ladder.sum(enter, pass, x, Side::Right) + ladder.sum(pass, leave, x, Side::Left)
             } else {
                 ladder.sum(enter, leave, x, Side::Right)

@@ -18,7 +18,7 @@ pub(super) struct Partial<const N: usize> {
 }
 
 /// One pass over a block of data.
-struct Sweep<'a, B, const N: usize, const KINK: bool, const DOUBT: bool> {
+struct Sweep<'a, B, const N: usize, const DOUBT: bool> {
     basis: B,
     shape: Shape,
     lattice: &'a Lattice<'a>,
@@ -42,9 +42,7 @@ struct Copies<const N: usize> {
     odd: Vec<[f64; N]>,
 }
 
-impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool> WithSimd
-    for Sweep<'_, B, N, KINK, DOUBT>
-{
+impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N, DOUBT> {
     type Output = Partial<N>;
 
     #[inline(always)]
@@ -128,9 +126,7 @@ impl<const N: usize> Copies<N> {
     }
 }
 
-impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>
-    Sweep<'_, B, N, KINK, DOUBT>
-{
+impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
     #[inline(always)]
     fn add_chunk(
         &self,
@@ -214,7 +210,7 @@ impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>
             let t = (points[i] - first) * inverse;
             let mut total = 0_u64;
             let mut worst = 0.0;
-            for shift in &shifts[..if KINK { 3 } else { 2 }] {
+            for shift in &shifts[..if B::KINKED { 3 } else { 2 }] {
                 // comparisons written so that each is one instruction
                 let passed = t + shift;
                 let passed = if passed > 0.0 { passed } else { 0.0 };
@@ -255,7 +251,7 @@ impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>
                 let nearest = position.round();
                 if (position - nearest).abs() > self.lattice.doubt
                     || !(0.0..cells as f64).contains(&nearest)
-                    || (family == 1 && !KINK)
+                    || (family == 1 && !B::KINKED)
                 {
                     continue;
                 }
@@ -267,7 +263,7 @@ impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>
                 let u = (self.lattice.grid.coordinate(0, j) - x) / self.lattice.h;
                 let j = j as u32;
                 let assigned = if left <= j && j < entered {
-                    let side = if KINK && j < passed {
+                    let side = if B::KINKED && j < passed {
                         Side::Left
                     } else {
                         Side::Right
@@ -284,7 +280,7 @@ impl<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>
 }
 
 /// The moments of all intervals and the corrections of all grid points.
-pub(super) fn sweep<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: bool>(
+pub(super) fn sweep<B: Basis<N>, const N: usize, const DOUBT: bool>(
     sum: &KernelSum<1>,
     lattice: &Lattice<'_>,
     partition: &Partition,
@@ -303,7 +299,7 @@ pub(super) fn sweep<B: Basis<N>, const N: usize, const KINK: bool, const DOUBT: 
                 Weights::Equal(_) => None,
                 Weights::Each(weights) => Some(&weights[start..start + points.len()]),
             };
-            arch.dispatch(Sweep::<B, N, KINK, DOUBT> {
+            arch.dispatch(Sweep::<B, N, DOUBT> {
                 basis,
                 shape: sum.shape(),
                 lattice,
