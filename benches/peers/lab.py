@@ -14,8 +14,11 @@ GRIDS = ("gaussian-grid", "epanechnikov-grid")
 ROWS = {
     "**lab** histogram": (("histogram",), None, 1),
     "**lab** histogram, 2 threads": (("histogram",), None, 2),
-    "**lab** binned": (GRIDS, "binned", 1),
-    "**lab** binned, 2 threads": (GRIDS, "binned", 2),
+    "**lab** binned, 1e-5": (("gaussian-grid",), "binned", 1, 1e-5),
+    "**lab** binned, 1e-5, 2 threads": (("gaussian-grid",), "binned", 2, 1e-5),
+    "**lab** binned, 1e-6": (("gaussian-grid",), "binned", 1, 1e-6),
+    "**lab** hermite, 1e-6": (("gaussian-grid",), "hermite", 1, 1e-6),
+    "**lab** hermite, 1e-10": (("gaussian-grid",), "hermite", 1, 1e-10),
     "**lab** hermite": (("gaussian-grid", "gaussian-points"), "hermite", 1),
     "**lab** hermite, 2 threads": (("gaussian-grid", "gaussian-points"), "hermite", 2),
     "**lab** moments": (("epanechnikov-grid",), "interval", 1),
@@ -26,11 +29,12 @@ ROWS = {
 
 
 def command(program, name, work, data, answer):
-    _, engine, threads = ROWS[name]
+    _, engine, threads, *tolerance = ROWS[name]
     if work.at == "bins":
         estimator = f"histogram = {{ width = {(HIGH - LOW) / CELLS}, origin = {LOW} }}"
     else:
-        estimator = f'kernel = {{ shape = "{work.kernel}", bandwidth = {work.bandwidth} }}'
+        exactness = "".join(f", tolerance = {tolerance}" for tolerance in tolerance)
+        estimator = f'kernel = {{ shape = "{work.kernel}", bandwidth = {work.bandwidth}{exactness} }}'
     places = ["--at", str(data)] if work.at == "points" else [f"--grid={LOW:g}:{HIGH:g}:{CELLS}"]
     engine = ["--engine", engine] if engine else []
     return [
