@@ -14,8 +14,8 @@ GRIDS = ("gaussian-grid", "epanechnikov-grid")
 ROWS = {
     "**lab** histogram": (("histogram",), None, 1),
     "**lab** histogram, 2 threads": (("histogram",), None, 2),
-    "**lab** binned, 1e-5": (("gaussian-grid",), "binned", 1, 1e-5),
-    "**lab** binned, 1e-5, 2 threads": (("gaussian-grid",), "binned", 2, 1e-5),
+    "**lab** binned, 1e-4": (("gaussian-grid",), "binned", 1, 1e-4),
+    "**lab** binned, 1e-4, 2 threads": (("gaussian-grid",), "binned", 2, 1e-4),
     "**lab** binned, 1e-6": (("gaussian-grid",), "binned", 1, 1e-6),
     "**lab** hermite, 1e-6": (("gaussian-grid",), "hermite", 1, 1e-6),
     "**lab** hermite, 1e-10": (("gaussian-grid",), "hermite", 1, 1e-10),
