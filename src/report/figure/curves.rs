@@ -1,8 +1,9 @@
 //! Densities over one axis: the truth, estimates, step functions, bands, and the data beneath.
 
-use super::canvas::{Canvas, Frame, Hang, MARGIN, Panel, Type, overhang, room_left};
+use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::legend::{End, Entry, FILL, Legend, Markers, Swatch, label_ends};
 use super::multiples::{Multiples, Small};
+use super::panel::{Frame, Panel, overhang, room_left};
 use super::path::Place;
 use super::scale::Scale;
 use super::style::{self, Stroke};

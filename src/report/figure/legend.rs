@@ -1,7 +1,8 @@
 //! Keys and labels that keep out of each other's way: a legend in rows, labels at line ends, names over vertical markers.
 
 use super::Marker;
-use super::canvas::{Canvas, Frame, Hang, Panel, Type};
+use super::canvas::{Canvas, Hang, Type};
+use super::panel::{Frame, Panel};
 use super::path::Place;
 use super::style::{self, Stroke};
 use crate::report::text::{fit, significant, width};

@@ -23,18 +23,19 @@ mod dots;
 mod legend;
 mod modes;
 mod multiples;
+mod panel;
 mod path;
 mod rows;
 mod scale;
 mod style;
 mod sweep;
 
-pub use canvas::Frame;
 pub use comparison::{Comparison, Row};
 pub use curves::Curves;
 pub use dots::{Dot, Dots};
 pub use modes::{ModeCounts, Modes};
 pub use multiples::{Multiples, Small};
+pub use panel::Frame;
 pub use scale::Scale;
 pub use sweep::{Measured, Part, Sweep, Trace};
 
@@ -69,7 +70,7 @@ impl fmt::Display for Svg {
 /// The curve through (x, y) as path data for a drawing with this frame, thinned by less than the eye can see. It is not cut at the
 /// frame: whoever moves it in a page gives it a viewport that does.
 pub(in crate::report) fn line_in_frame(frame: &Frame, x: &[f64], y: &[f64]) -> String {
-    canvas::path_data(frame, x, y)
+    panel::path_data(frame, x, y)
 }
 
 /// Colour of estimate number `index` as `#rrggbb`.

@@ -1,8 +1,9 @@
 //! Small multiples: many small frames over the same axes, to be compared at a glance.
 
-use super::canvas::{Canvas, Hang, MARGIN, Type, overhang, room_left, title};
+use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::curves::{WIDTH, abscissae, legend, nothing, ordinate_scale, series};
 use super::legend::{Entry, Legend};
+use super::panel::{overhang, room_left, title};
 use super::path::Place;
 use super::scale::{Scale, Ticks};
 use super::style;

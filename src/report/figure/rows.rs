@@ -1,9 +1,10 @@
 //! What figures with one named row per estimator share: a key, names at the left, a value axis below, numbers at the right.
 
 use super::Axis;
-use super::canvas::{Canvas, Frame, Hang, MARGIN, Type, overhang, title};
+use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::curves::{WIDTH, nothing};
 use super::legend::{Entry, Legend};
+use super::panel::{Frame, overhang, title};
 use super::scale::Scale;
 use super::style::{self, Stroke};
 use crate::report::text::{fit, width};

@@ -1,8 +1,9 @@
 //! Error against bandwidth: exact curves, Monte Carlo intervals around them, and the bandwidths that have a name.
 
-use super::canvas::{Canvas, Frame, MARGIN, overhang, room_left};
+use super::canvas::{Canvas, MARGIN};
 use super::curves::{WIDTH, nothing};
 use super::legend::{End, Entry, Legend, Markers, Swatch, label_ends};
+use super::panel::{Frame, overhang, room_left};
 use super::scale::Scale;
 use super::style::{self, Stroke};
 use super::{Axis, Marker, Svg};

@@ -1,0 +1,178 @@
+//! Claims that compare errors: with each other, with a value, with theory.
+
+use super::short;
+use crate::accuracy::{Interval, compare, lower_bound, sidak};
+use crate::experiment::Measure;
+use crate::experiment::results::{Group, Outcome};
+use crate::experiment::run::Bench;
+use crate::experiment::table::exact_counterpart;
+use crate::kernel::Shape;
+use crate::random;
+use crate::theory;
+
+pub(super) fn below_by(
+    group: &Group,
+    measure: Measure,
+    (of, below): (&str, &str),
+    by: f64,
+    confidence: f64,
+    mut random: random::Stream,
+) -> Option<(bool, String)> {
+    let (a, b) = (group.outcome(of)?, group.outcome(below)?);
+    let mass = group.truth_integral();
+    let (Some(a_values), Some(b_values)) = (
+        a.per_replicate(measure, mass),
+        b.per_replicate(measure, mass),
+    ) else {
+        let (a, b) = (
+            a.measures.get(&measure)?.value,
+            b.measures.get(&measure)?.value,
+        );
+        return Some((
+            a * by <= b,
+            format!(
+                "{} against {}: {} times smaller",
+                short(a),
+                short(b),
+                short(b / a)
+            ),
+        ));
+    };
+    let gains: Vec<f64> = a_values
+        .iter()
+        .zip(&b_values)
+        .map(|(a, b)| b - by * a)
+        .collect();
+    let bound = lower_bound(&gains, confidence, &mut random)?;
+    let ratio = compare(&b_values, &a_values, confidence);
+    let error = ratio.ratio_error.unwrap_or(0.0);
+    let detail = format!(
+        "{} times smaller (standard error {})",
+        short(ratio.ratio),
+        short(error)
+    );
+    Some((bound > 0.0, detail))
+}
+
+pub(super) fn equal(
+    bench: &Bench,
+    group: &Group,
+    measure: Measure,
+    (of, over): (&str, Option<&str>),
+    (equals, margin): (f64, f64),
+    confidence: f64,
+) -> Option<(bool, String)> {
+    let outcome = group.outcome(of)?;
+    let (low, value, high) = match over {
+        None => {
+            let interval = outcome.interval(measure, confidence, group)?;
+            (interval.low, interval.value, interval.high)
+        }
+        Some("minimum") => {
+            let least = least_mise(bench, group, of)?;
+            let interval = outcome.interval(measure, confidence, group)?;
+            (
+                interval.low / least,
+                interval.value / least,
+                interval.high / least,
+            )
+        }
+        Some(other) => ratio(group, measure, outcome, group.outcome(other)?, confidence)?,
+    };
+    let inside = equals - margin <= low && high <= equals + margin;
+    let band = if high > low {
+        format!(" (interval {} to {})", short(low), short(high))
+    } else {
+        String::new()
+    };
+    Some((
+        inside,
+        format!(
+            "{}{band}, expected {} ± {}",
+            short(value),
+            short(equals),
+            short(margin)
+        ),
+    ))
+}
+
+/// One outcome's measure over another's, paired where both are simulated: lower end, value, upper end.
+fn ratio(
+    group: &Group,
+    measure: Measure,
+    a: &Outcome,
+    b: &Outcome,
+    confidence: f64,
+) -> Option<(f64, f64, f64)> {
+    let mass = group.truth_integral();
+    if let (Some(a), Some(b)) = (
+        a.per_replicate(measure, mass),
+        b.per_replicate(measure, mass),
+    ) {
+        let paired = compare(&a, &b, confidence);
+        let error = paired.ratio_error.unwrap_or(0.0);
+        let interval = Interval::around(paired.ratio, error, a.len() as f64 - 1.0, confidence);
+        return Some((interval.low, paired.ratio, interval.high));
+    }
+    let ratio = a.measures.get(&measure)?.value / b.measures.get(&measure)?.value;
+    Some((ratio, ratio, ratio))
+}
+
+/// The least MISE that any bandwidth gives an estimator's kernel here, by theory.
+fn least_mise(bench: &Bench, group: &Group, of: &str) -> Option<f64> {
+    let spec = bench
+        .experiment()
+        .estimators
+        .iter()
+        .find(|spec| spec.name == of)?;
+    let shape = spec.values.word("shape").and_then(Shape::named)?;
+    let truth = bench.truth(group.source)?;
+    Some(
+        theory::KernelError::new(&**truth, shape)
+            .optimum(group.draws as f64)
+            .error
+            .mise(),
+    )
+}
+
+pub(super) fn agrees(
+    group: &Group,
+    measure: Measure,
+    of: &[String],
+    confidence: f64,
+) -> Option<(bool, String)> {
+    let chosen: Vec<&Outcome> = group
+        .outcomes
+        .iter()
+        .filter(|o| of.is_empty() || of.contains(&o.name))
+        .collect();
+    let exact = exact_counterpart(measure)?;
+    let each = sidak(confidence, chosen.len());
+    let mut outside = Vec::new();
+    let mut farthest: f64 = 0.0;
+    for outcome in &chosen {
+        let interval = outcome.interval(measure, each, group)?;
+        let exact = outcome.measures.get(&exact)?.value;
+        if let Some(error) = interval.standard_error.filter(|e| *e > 0.0) {
+            farthest = farthest.max((interval.value - exact).abs() / error);
+        }
+        if !(interval.low <= exact && exact <= interval.high) {
+            let (low, high) = (short(interval.low), short(interval.high));
+            outside.push(format!(
+                "{}: exact {} outside {low} to {high}",
+                outcome.name,
+                short(exact)
+            ));
+        }
+    }
+    let detail = if outside.is_empty() {
+        format!(
+            "all {} exact values inside; the farthest is {} standard errors off",
+            chosen.len(),
+            short(farthest)
+        )
+    } else {
+        outside.join(", ")
+    };
+    Some((outside.is_empty(), detail))
+}

@@ -1,0 +1,216 @@
+//! Holding the claims of an experiment against its results.
+
+mod comparison;
+mod modes;
+mod optimum;
+
+pub use optimum::swept;
+
+use super::manifest::Line;
+use super::results::{Group, Results};
+use super::run::Bench;
+use super::{Claim, Experiment, Statement};
+use crate::random;
+use comparison::{agrees, below_by, equal};
+use modes::{median_modes, share_of_modes};
+use optimum::{best_is_near, oracle};
+
+/// How a claim came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ruling {
+    /// Shown, at the confidence it names.
+    Holds,
+    /// Not shown: contradicted, or left open by the numbers.
+    Fails,
+}
+
+impl Ruling {
+    /// The word in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "not shown",
+        }
+    }
+}
+
+/// The verdict on one claim.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The claim, as a position in the experiment.
+    pub claim: usize,
+    /// How it came out: it holds if it does in every group it is about.
+    pub outcome: Ruling,
+    /// The numbers, a sentence a group.
+    pub detail: String,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    pub fn line(&self, experiment: &Experiment) -> Line {
+        let claim = &experiment.claims[self.claim];
+        Line {
+            claim: claim.says.clone(),
+            holds: self.outcome == Ruling::Holds,
+            detail: self.detail.clone(),
+        }
+    }
+}
+
+/// Judges every claim.
+pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
+    let experiment = bench.experiment();
+    experiment
+        .claims
+        .iter()
+        .enumerate()
+        .map(|(number, claim)| {
+            let groups: Vec<&Group> = results
+                .groups
+                .iter()
+                .filter(|group| concerns(claim, group))
+                .collect();
+            let rulings: Vec<(bool, String)> = groups
+                .iter()
+                .map(|group| judge_one(bench, number, claim, group))
+                .collect();
+            let holds = !rulings.is_empty() && rulings.iter().all(|(holds, _)| *holds);
+            let detail = summarise(&rulings, &groups);
+            Verdict {
+                claim: number,
+                outcome: if holds { Ruling::Holds } else { Ruling::Fails },
+                detail,
+            }
+        })
+        .collect()
+}
+
+/// The numbers of a claim in words: of each group, or of those where it fails and one other where there are many.
+fn summarise(rulings: &[(bool, String)], groups: &[&Group]) -> String {
+    const MANY: usize = 3;
+    if let [(_, detail)] = rulings {
+        return detail.clone();
+    }
+    let holds = rulings.iter().filter(|(holds, _)| *holds).count();
+    let mut example = holds == rulings.len();
+    let told = rulings
+        .iter()
+        .zip(groups)
+        .filter(|((holds, _), _)| rulings.len() <= MANY || !holds || std::mem::take(&mut example));
+    let told: Vec<String> = told
+        .map(|((_, detail), group)| format!("{}, n = {}: {detail}", group.name, group.draws))
+        .collect();
+    if rulings.len() <= MANY {
+        return told.join("; ");
+    }
+    let which = if holds == rulings.len() {
+        "for instance"
+    } else {
+        "but not"
+    };
+    format!(
+        "{holds} of {} cases hold, {which} {}",
+        rulings.len(),
+        told.join("; ")
+    )
+}
+
+fn concerns(claim: &Claim, group: &Group) -> bool {
+    claim.draws.is_none_or(|draws| draws == group.draws)
+        && claim
+            .source
+            .as_ref()
+            .is_none_or(|source| *source == group.name)
+}
+
+fn judge_one(bench: &Bench, number: usize, claim: &Claim, group: &Group) -> (bool, String) {
+    let experiment = bench.experiment();
+    let ruling = match &claim.statement {
+        Statement::Below {
+            measure,
+            of,
+            below,
+            by,
+            confidence,
+        } => {
+            let random = random::stream(
+                experiment.seed,
+                &format!("bootstrap/{}/{}", group.name, group.draws),
+                number as u64,
+            );
+            below_by(group, *measure, (of, below), *by, *confidence, random)
+        }
+        Statement::Equals {
+            measure,
+            of,
+            over,
+            equals,
+            margin,
+            confidence,
+        } => equal(
+            bench,
+            group,
+            *measure,
+            (of, over.as_deref()),
+            (*equals, *margin),
+            *confidence,
+        ),
+        Statement::AgreesWithExact {
+            measure,
+            of,
+            confidence,
+        } => agrees(group, *measure, of, *confidence),
+        Statement::MedianModes { of, median } => group
+            .outcome(of)
+            .map(|outcome| median_modes(outcome, *median)),
+        Statement::ShareOfModes {
+            of,
+            count,
+            share,
+            margin,
+        } => group
+            .outcome(of)
+            .map(|outcome| share_of_modes(outcome, *count, *share, *margin)),
+        Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
+        Statement::Oracle {
+            quantity,
+            kernel,
+            equals,
+            digits,
+        } => oracle(bench, group, quantity, kernel, *equals, *digits),
+    };
+    ruling.unwrap_or_else(|| (false, "the run has no numbers for this claim".to_owned()))
+}
+
+/// A number as a sentence gives it: four significant digits.
+pub fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if (-4..6).contains(&magnitude) {
+        let text = format!("{value:.*}", (3 - magnitude).max(0) as usize);
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_in_sentences_have_four_digits() {
+        assert_eq!(short(2.839_71), "2.84");
+        assert_eq!(short(0.004_570_4), "0.00457");
+        assert_eq!(short(12_345.6), "12346");
+        assert_eq!(short(1.0), "1");
+        assert_eq!(short(1.234_56e-9), "1.235e-9");
+        assert_eq!(short(-0.5), "-0.5");
+    }
+}
