@@ -181,7 +181,7 @@ fn damaged_records_are_computed_again() {
 }
 
 #[test]
-fn another_experiment_does_not_see_the_journal_of_this_one() {
+fn another_experiment_neither_sees_nor_discards_the_journal_of_this_one() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("run");
     let bench = Bench::new(experiment()).unwrap();
@@ -194,13 +194,32 @@ fn another_experiment_does_not_see_the_journal_of_this_one() {
         ..experiment()
     })
     .unwrap();
-    assert_ne!(
-        tables(
-            &other,
-            &open(&place, other.experiment(), Existing::Continue)
-        ),
-        mine
+    let Err(error) = RunFolder::open(&place, other.experiment(), Existing::Continue) else {
+        panic!("must be refused")
+    };
+    assert!(error.to_string().contains("another experiment"), "{error}");
+    let theirs = tables(&other, &open(&place, other.experiment(), Existing::Replace));
+    assert_ne!(theirs, mine);
+}
+
+#[test]
+fn folders_beside_the_run_that_are_not_ours_are_never_touched() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    for name in ["run.partial", "run.replaced"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+        std::fs::write(folder.path().join(name).join("thesis.txt"), "years of work").unwrap();
+    }
+    let Err(error) = RunFolder::open(&place, &experiment(), Existing::Replace) else {
+        panic!("must be refused")
+    };
+    assert!(
+        error.to_string().contains("nothing in it was touched"),
+        "{error}"
     );
+    for name in ["run.partial", "run.replaced"] {
+        assert!(folder.path().join(name).join("thesis.txt").exists());
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | ISE | ∫(f̂ - f)² | `errors.rs` |
 //! | IAE | ∫\|f̂ - f\| | `errors.rs` |
-//! | IRE | ∫((f̂ - f)/f)² where f ≥ 1 % of its peak, over the length of that set | `errors.rs` |
+//! | IRE | ∫((f̂ - f)/f)² where f ≥ 1 % of its peak | `errors.rs` |
 //! | energy | ∫f̂ / ∫f | `errors.rs` |
 //! | MISE, MIAE, MIRE | their means over samples, with standard errors | `interval.rs` |
 //! | ∫bias², ∫variance | from the pointwise moments of f̂ - f over samples | `tally.rs` |

@@ -1,7 +1,7 @@
 //! The command line: one file per command.
 //!
 //! Data go to the standard output or to `-o`, everything else to the standard error. Exit codes: 0 done, 1 a claim failed, 2 bad input,
-//! 3 the system failed, 130 interrupted ([`stop::Stop`]). A reader that goes away early is no failure.
+//! 3 the system failed, 130 interrupted. A reader that goes away early is no failure.
 
 mod argument;
 mod check;

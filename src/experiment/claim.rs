@@ -244,3 +244,17 @@ impl fmt::Display for Statement {
         }
     }
 }
+
+impl Statement {
+    /// Whether theory alone decides it, without simulation.
+    pub fn is_theory(&self) -> bool {
+        match self {
+            Self::Oracle { .. } => true,
+            Self::Below { measure, .. } | Self::Equals { measure, .. } => matches!(
+                measure,
+                Measure::ExactMise | Measure::ExactBias2 | Measure::ExactVariance
+            ),
+            _ => false,
+        }
+    }
+}

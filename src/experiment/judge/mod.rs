@@ -9,7 +9,8 @@ pub use optimum::swept;
 use super::manifest::Line;
 use super::results::{Group, Results};
 use super::run::Bench;
-use super::{Claim, Experiment, Statement};
+use super::{Claim, Experiment, Measure, Statement};
+use crate::accuracy::sidak;
 use crate::random;
 use comparison::{agrees, below_by, equal};
 use modes::{median_modes, share_of_modes};
@@ -53,6 +54,7 @@ impl Verdict {
             claim: claim.says.clone(),
             holds: self.outcome == Ruling::Holds,
             detail: self.detail.clone(),
+            theory: claim.statement.is_theory(),
         }
     }
 }
@@ -72,7 +74,7 @@ pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
                 .collect();
             let rulings: Vec<(bool, String)> = groups
                 .iter()
-                .map(|group| judge_one(bench, number, claim, group))
+                .map(|group| judge_one(bench, number, claim, (group, groups.len())))
                 .collect();
             let holds = !rulings.is_empty() && rulings.iter().all(|(holds, _)| *holds);
             let detail = summarise(&rulings, &groups);
@@ -123,8 +125,16 @@ fn concerns(claim: &Claim, group: &Group) -> bool {
             .is_none_or(|source| *source == group.name)
 }
 
-fn judge_one(bench: &Bench, number: usize, claim: &Claim, group: &Group) -> (bool, String) {
+fn judge_one(
+    bench: &Bench,
+    number: usize,
+    claim: &Claim,
+    (group, groups): (&Group, usize),
+) -> (bool, String) {
     let experiment = bench.experiment();
+    if let Some(reason) = without_grounds(&claim.statement, group) {
+        return (false, reason);
+    }
     let ruling = match &claim.statement {
         Statement::Below {
             measure,
@@ -159,7 +169,7 @@ fn judge_one(bench: &Bench, number: usize, claim: &Claim, group: &Group) -> (boo
             measure,
             of,
             confidence,
-        } => agrees(group, *measure, of, *confidence),
+        } => agrees(group, *measure, of, sidak(*confidence, groups)),
         Statement::MedianModes { of, median } => group
             .outcome(of)
             .map(|outcome| median_modes(outcome, *median)),
@@ -180,6 +190,37 @@ fn judge_one(bench: &Bench, number: usize, claim: &Claim, group: &Group) -> (boo
         } => oracle(bench, group, quantity, kernel, *equals, *digits),
     };
     ruling.unwrap_or_else(|| (false, "the run has no numbers for this claim".to_owned()))
+}
+
+/// Why a claim cannot be shown by these results, whatever their values.
+fn without_grounds(statement: &Statement, group: &Group) -> Option<String> {
+    let (measure, paired) = match statement {
+        Statement::Below { measure, .. } => (*measure, true),
+        Statement::Equals { measure, over, .. } => (
+            *measure,
+            over.as_deref().is_some_and(|over| over != "minimum"),
+        ),
+        Statement::AgreesWithExact { measure, .. } => (*measure, false),
+        _ => return None,
+    };
+    let parts = matches!(measure, Measure::Bias2 | Measure::Variance);
+    if parts && paired {
+        return Some(format!(
+            "simulated {} of two estimators cannot be compared replicate by replicate; claim exact-{0} instead",
+            measure.name()
+        ));
+    }
+    let exact = matches!(
+        measure,
+        Measure::ExactMise | Measure::ExactBias2 | Measure::ExactVariance
+    );
+    // a data file is one sample, and what it shows is what it shows
+    let few = group.truth.is_some()
+        && group
+            .outcomes
+            .iter()
+            .any(|outcome| outcome.replicates.len() < 2 || (parts && outcome.blocks.len() < 3));
+    (!exact && few).then(|| "too few replicates for an interval".to_owned())
 }
 
 /// A number as a sentence gives it: four significant digits.

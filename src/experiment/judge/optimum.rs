@@ -99,8 +99,12 @@ pub(super) fn oracle(
         }
         _ => return None,
     };
-    // half a unit in the last digit that is claimed
-    let unit = 10.0_f64.powi(equals.abs().log10().floor() as i32 - digits as i32 + 1);
+    // half a unit in the last digit that is claimed; all these quantities are positive, so a claim of 0 has no digits
+    let unit = if equals == 0.0 {
+        0.0
+    } else {
+        10.0_f64.powf(equals.abs().log10().floor() - f64::from(digits) + 1.0)
+    };
     Some((
         (found - equals).abs() <= 0.5 * unit * (1.0 + 1e-9),
         format!("{quantity} is {found:.8}, expected {equals}"),

@@ -77,11 +77,26 @@ impl RunFolder {
             }
         }
         let partial = sibling(place, "partial");
+        let unowned = fs::read_dir(&partial).is_ok_and(|mut inside| inside.next().is_some())
+            && !partial.join(OWNER).is_file()
+            && !partial.join("lock").is_file();
+        if unowned {
+            return Err(RunError::Folder(format!(
+                "{} exists and is not an unfinished run of this laboratory; nothing in it was touched; give another --out",
+                partial.display()
+            )));
+        }
         fs::create_dir_all(&partial).map_err(StorageError::at(&partial, "creating"))?;
         let lock = lock(&partial)?;
         let owner = partial.join(OWNER);
         let known = fs::read_to_string(&owner).unwrap_or_default();
         let journal = partial.join("journal");
+        if known != identity && !known.is_empty() && existing == Existing::Continue {
+            return Err(RunError::Folder(format!(
+                "{} holds an unfinished run of another experiment; give another --out, or --force to discard it",
+                partial.display()
+            )));
+        }
         if known != identity || existing == Existing::Replace {
             if journal.exists() {
                 fs::remove_dir_all(&journal).map_err(StorageError::at(&journal, "clearing"))?;
@@ -125,16 +140,14 @@ impl RunFolder {
     /// # Errors
     /// If renaming fails; the files stay in the partial folder then.
     pub fn finish(self) -> Result<PathBuf, RunError> {
-        let old = sibling(&self.place, "replaced");
-        if self.place.exists() {
-            if old.exists() {
-                fs::remove_dir_all(&old).map_err(StorageError::at(&old, "removing"))?;
-            }
+        let old = sibling(&self.place, &format!("replaced-{}", std::process::id()));
+        let replaces = self.place.exists();
+        if replaces {
             fs::rename(&self.place, &old).map_err(StorageError::at(&self.place, "renaming"))?;
         }
         fs::rename(&self.partial, &self.place)
             .map_err(StorageError::at(&self.place, "renaming"))?;
-        if old.exists() {
+        if replaces {
             fs::remove_dir_all(&old).map_err(StorageError::at(&old, "removing"))?;
         }
         // the run is complete and in its place from here on; what is left to do is tidying

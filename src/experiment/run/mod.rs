@@ -81,6 +81,9 @@ pub fn run(
     let cells = bench.cells();
     let mut records: BTreeMap<Cell, Record> = BTreeMap::new();
     for &cell in &cells {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         if let Some(record) = journal::load(folder.journal(), cell) {
             records.insert(cell, record);
         }

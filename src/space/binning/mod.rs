@@ -12,7 +12,7 @@
 //! - points outside are clamped into guard cells, so that the scatter has no branch.
 //!
 //! # Same bits for any number of threads
-//! Points are cut into fixed [`lanes`], each summed in order, and the lanes are added in order. Counts are integers. Nothing depends on the
+//! Points are cut into fixed lanes, each summed in order, and the lanes are added in order. Counts are integers. Nothing depends on the
 //! number of threads or on the alignment of the data.
 //!
 //! # Sums of weights
