@@ -37,8 +37,28 @@ pub enum Kind {
     Flag,
     /// A positive number or one of these words (a rule that chooses the number).
     PositiveOr(&'static [&'static str]),
+    /// A whole number in a range, or one of these words (a rule that chooses the number).
+    CountOr {
+        /// The least.
+        least: u64,
+        /// The most.
+        most: u64,
+        /// The rules.
+        words: &'static [&'static str],
+    },
     /// A list of tables, each with these parameters.
     Rows(&'static [Parameter]),
+}
+
+impl Kind {
+    /// The same without the words that choose a number: what each value of a sweep is, which needs numbers to be drawn against.
+    pub fn numeric(self) -> Self {
+        match self {
+            Self::PositiveOr(_) => Self::Positive,
+            Self::CountOr { least, most, .. } => Self::Count { least, most },
+            other => other,
+        }
+    }
 }
 
 /// What is allowed, in words.
@@ -60,6 +80,11 @@ impl fmt::Display for Kind {
             Self::PositiveOr(words) => {
                 write!(f, "a finite number above 0, or one of {}", listed(words))
             }
+            Self::CountOr { least, most, words } => write!(
+                f,
+                "a whole number from {least} to {most}, or one of {}",
+                listed(words)
+            ),
             Self::Rows(parameters) => {
                 let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
                 write!(f, "a list of tables with {}", listed(&names))
@@ -240,7 +265,7 @@ impl Values {
         let mut values = Self::default();
         for parameter in parameters {
             match parameter.absent {
-                Absent::Number(x) if matches!(parameter.kind, Kind::Count { .. }) => {
+                Absent::Number(x) if matches!(parameter.kind.numeric(), Kind::Count { .. }) => {
                     values.set(parameter.name, Value::Count(x as u64));
                 }
                 Absent::Number(x) => values.set(parameter.name, Value::Number(x)),

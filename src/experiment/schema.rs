@@ -174,10 +174,7 @@ fn table(parameters: &[Parameter]) -> Value {
 fn property(parameter: &Parameter) -> Value {
     let one = kind(parameter.kind);
     let mut schema = if parameter.sweeps {
-        let each = match parameter.kind {
-            Kind::PositiveOr(_) => kind(Kind::Positive),
-            other => kind(other),
-        };
+        let each = kind(parameter.kind.numeric());
         json!({ "anyOf": [
             one,
             { "type": "array", "minItems": 1, "uniqueItems": true, "items": each },
@@ -219,6 +216,10 @@ fn kind(kind: Kind) -> Value {
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::PositiveOr(words) => json!({ "anyOf": [
             { "type": "number", "exclusiveMinimum": 0 },
+            { "enum": words },
+        ] }),
+        Kind::CountOr { least, most, words } => json!({ "anyOf": [
+            { "type": "integer", "minimum": least, "maximum": most },
             { "enum": words },
         ] }),
         Kind::Rows(parameters) => {

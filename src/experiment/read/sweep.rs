@@ -57,10 +57,7 @@ pub(super) fn values(
     }
     // A word chooses one number by itself; a sweep needs numbers to be drawn against.
     let each = Parameter {
-        kind: match parameter.kind {
-            Kind::PositiveOr(_) => Kind::Positive,
-            other => other,
-        },
+        kind: parameter.kind.numeric(),
         ..*parameter
     };
     let mut read: Vec<(Value, Span)> = Vec::new();
@@ -120,11 +117,11 @@ fn steps(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>) -> Option<
         ));
         return None;
     }
-    if let Kind::Count { least, most } = parameter.kind {
+    if let Kind::Count { least, most } = parameter.kind.numeric() {
         if low < least as f64 || high > most as f64 {
             reader.report(
                 Problem::at(item.span(), format!("{what} must stay within its range"))
-                    .allowed(parameter.kind),
+                    .allowed(parameter.kind.numeric()),
             );
             return None;
         }

@@ -137,22 +137,27 @@ pub(super) fn value(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>)
             }
             flag.map(Value::Flag)
         }
-        Kind::PositiveOr(words) => {
-            if let DeValue::String(text) = item.get_ref() {
-                if words.contains(&text.as_ref()) {
-                    return Some(Value::Word(text.to_string()));
-                }
-                reader.report(
-                    Problem::at(
-                        item.span(),
-                        format!("{what} cannot be \"{}\"", printable(text)),
-                    )
-                    .suggest(nearest(text, words.iter().copied()))
-                    .allowed(parameter.kind),
-                );
-                return None;
+        Kind::PositiveOr(words) | Kind::CountOr { words, .. } => {
+            let DeValue::String(text) = item.get_ref() else {
+                return match parameter.kind {
+                    Kind::CountOr { least, most, .. } => {
+                        reader.count(item, &what, least, most).map(Value::Count)
+                    }
+                    _ => positive(reader, item, &what, parameter.kind).map(Value::Number),
+                };
+            };
+            if words.contains(&text.as_ref()) {
+                return Some(Value::Word(text.to_string()));
             }
-            positive(reader, item, &what, parameter.kind).map(Value::Number)
+            reader.report(
+                Problem::at(
+                    item.span(),
+                    format!("{what} cannot be \"{}\"", printable(text)),
+                )
+                .suggest(nearest(text, words.iter().copied()))
+                .allowed(parameter.kind),
+            );
+            None
         }
         Kind::Rows(parameters) => rows(reader, parameters, item, &what),
     }

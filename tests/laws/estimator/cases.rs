@@ -138,6 +138,19 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
             values.extend(words(choices));
             values
         }
+        Kind::CountOr {
+            least,
+            most,
+            words: choices,
+        } => {
+            let mut values: Vec<Value> = [least, least + 6, most.min(40)]
+                .into_iter()
+                .filter(|count| *count <= most)
+                .map(Value::Count)
+                .collect();
+            values.extend(words(choices));
+            values
+        }
         Kind::Between(low, high) => numbers(&[low + 0.3 * (high - low), low + 0.9 * (high - low)]),
         Kind::Text | Kind::Texts | Kind::Choices(_) | Kind::Rows(_) => {
             panic!("teach the suite what to try for {}", parameter.name)
