@@ -19,6 +19,16 @@ impl Kernel for Biweight {
         }
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        let rest = 1.0 - square;
+        if rest > 0.0 {
+            15.0 / 16.0 * rest * rest
+        } else {
+            0.0
+        }
+    }
+
     fn reach(self) -> f64 {
         1.0
     }

@@ -17,6 +17,11 @@ impl Kernel for Cosine {
         }
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        self.value(square.sqrt())
+    }
+
     fn reach(self) -> f64 {
         1.0
     }

@@ -15,6 +15,12 @@ impl Kernel for Epanechnikov {
         if rest > 0.0 { 0.75 * rest } else { 0.0 }
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        let rest = 1.0 - square;
+        if rest > 0.0 { 0.75 * rest } else { 0.0 }
+    }
+
     fn reach(self) -> f64 {
         1.0
     }

@@ -14,6 +14,11 @@ impl Kernel for Gaussian {
         normal_density(u)
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        self.value(square.sqrt())
+    }
+
     fn reach(self) -> f64 {
         // exp(-u²/2) is below the smallest subnormal number from here on
         38.604

@@ -10,7 +10,8 @@
 //! | Gaussian | φ(u) | all | 1 | 1/(2√π) | 0.9512 | `gaussian.rs` |
 //! | uniform | ½ | \|u\| ≤ 1 | 1/3 | ½ | 0.9295 | `uniform.rs` |
 //!
-//! The support is **closed**: a kernel with a jump (uniform) has its full value at |u| = 1, with u = (x - X) / h computed in that order.
+//! The support is **closed**: a kernel with a jump (uniform) has its full value at |u| = 1, with u = (x - X) / h computed in that order, and in the plane where
+//! the kernel is radial at u·u + v·v = 1, computed in that order. What becomes of a kernel of the line in the plane: [`Symmetry`], `radial.rs`.
 //!
 //! Kernels are textbook ones (support \[-1, 1\], the Gaussian of unit deviation) and of unit mass. The efficiency is that of
 //! \[Silverman 1986, eq. 3.26\]: (C(Epanechnikov) / C(K))^(5/4) with C(K) = k₂^(2/5) R(K)^(4/5).
@@ -23,6 +24,7 @@ mod biweight;
 mod cosine;
 mod epanechnikov;
 mod gaussian;
+mod radial;
 mod shape;
 mod sum;
 mod triangular;
@@ -34,6 +36,7 @@ pub use biweight::Biweight;
 pub use cosine::Cosine;
 pub use epanechnikov::Epanechnikov;
 pub use gaussian::Gaussian;
+pub use radial::Symmetry;
 pub use shape::{Shape, Use};
 pub use sum::{KernelSum, WidthError};
 pub use triangular::Triangular;
@@ -55,6 +58,9 @@ pub enum Form {
 pub trait Kernel: Copy + Send + Sync + 'static {
     /// K(u).
     fn value(self, u: f64) -> f64;
+
+    /// K(√s) for s ≥ 0, where the squared distance is at hand: what radial kernels are computed from. Nothing for s > 1 but the Gaussian.
+    fn of_square(self, square: f64) -> f64;
 
     /// The largest |u| with K(u) > 0; for the Gaussian the place where `f64` has no positive value left.
     fn reach(self) -> f64;
@@ -182,6 +188,10 @@ mod tests {
                     _ => 0.0,
                 };
                 assert!((value - shape.value(u)).abs() < 1e-15, "{shape} at {u}");
+                assert!(
+                    (value - shape.of_square(u * u)).abs() < 1e-15,
+                    "{shape} at {u}²"
+                );
             }
         }
     }

@@ -125,6 +125,10 @@ impl Kernel for Shape {
         forward!(self, kernel => kernel.value(u))
     }
 
+    fn of_square(self, square: f64) -> f64 {
+        forward!(self, kernel => kernel.of_square(square))
+    }
+
     fn reach(self) -> f64 {
         forward!(self, kernel => kernel.reach())
     }

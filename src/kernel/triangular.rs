@@ -14,6 +14,11 @@ impl Kernel for Triangular {
         (1.0 - u.abs()).max(0.0)
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        self.value(square.sqrt())
+    }
+
     fn reach(self) -> f64 {
         1.0
     }

@@ -27,6 +27,16 @@ impl Kernel for Triweight {
         }
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        let rest = 1.0 - square;
+        if rest > 0.0 {
+            35.0 / 32.0 * rest * rest * rest
+        } else {
+            0.0
+        }
+    }
+
     fn reach(self) -> f64 {
         1.0
     }

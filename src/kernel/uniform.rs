@@ -14,6 +14,11 @@ impl Kernel for Uniform {
         if u.abs() <= 1.0 { 0.5 } else { 0.0 }
     }
 
+    #[inline]
+    fn of_square(self, square: f64) -> f64 {
+        if square <= 1.0 { 0.5 } else { 0.0 }
+    }
+
     fn reach(self) -> f64 {
         1.0
     }
