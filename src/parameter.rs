@@ -141,6 +141,8 @@ pub struct Parameter {
     pub sweeps: bool,
     /// What becomes of its numbers when the data are moved or stretched.
     pub unit: Unit,
+    /// The number of dimensions in which it has a meaning, if not in all. Such a parameter has no default.
+    pub only: Option<usize>,
     /// What it means, its unit included.
     pub help: &'static str,
 }
@@ -154,6 +156,7 @@ impl Parameter {
             absent: Absent::Required,
             sweeps: false,
             unit: Unit::Pure,
+            only: None,
             help,
         }
     }
@@ -171,6 +174,7 @@ impl Parameter {
             absent,
             sweeps: false,
             unit: Unit::Pure,
+            only: None,
             help,
         }
     }
@@ -187,6 +191,14 @@ impl Parameter {
     pub const fn place(self) -> Self {
         Self {
             unit: Unit::Place,
+            ..self
+        }
+    }
+
+    /// The same, with a meaning in so many dimensions only.
+    pub const fn only_in(self, dimensions: usize) -> Self {
+        Self {
+            only: Some(dimensions),
             ..self
         }
     }

@@ -158,7 +158,7 @@ impl Estimate {
         let request = Request {
             columns: [column.map_or(Column::Preferred(&[]), Column::Named)],
             weight: self.weight.as_deref(),
-            domain: self.domain.unwrap_or_else(Domain::whole),
+            domain: self.domain.clone().unwrap_or_else(Domain::whole),
         };
         if self.points == Path::new("-") && self.at.as_deref() == Some(Path::new("-")) {
             return Err(Stop::Input(

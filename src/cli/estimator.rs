@@ -2,7 +2,7 @@
 
 use super::stop::Stop;
 use crate::estimator::{Context, Estimator};
-use crate::experiment::catalogue::{self, Entry};
+use crate::experiment::catalogue::{self, Builds, Entry};
 use crate::experiment::{EstimatorSpec, read};
 use crate::parameter::{Kind, Value, listed, nearest};
 
@@ -60,9 +60,11 @@ impl Settings {
     ///
     /// # Errors
     /// If the settings do not go together, or need something that is not known here.
-    pub fn build(&self, context: &Context) -> Result<Box<dyn Estimator<1>>, Stop> {
-        (self.entry.build)(&self.spec.values, context).map_err(|error| {
-            Stop::Input(format!("{ORIGIN}: `{}`: {}", error.parameter, error.what))
-        })
+    pub fn build(&self, context: &Context<1>) -> Result<Box<dyn Estimator<1>>, Stop> {
+        self.entry
+            .build(&self.spec.values, context)
+            .map_err(|error| {
+                Stop::Input(format!("{ORIGIN}: `{}`: {}", error.parameter, error.what))
+            })
     }
 }

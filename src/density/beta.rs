@@ -10,7 +10,7 @@ use statrs::function::beta::beta_reg;
 use std::sync::Arc;
 
 /// f = xᵃ⁻¹ (1 - x)ᵇ⁻¹ / B(a, b) on \[0, 1\], for 1 ≤ a, b ≤ 1000: bounded, so that its squared errors are finite.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Beta {
     a: f64,
     b: f64,

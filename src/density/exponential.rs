@@ -7,7 +7,7 @@ use crate::space::{Domain, Field, Point};
 use std::sync::Arc;
 
 /// f = λ exp(-λx) on x ≥ 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Exponential {
     rate: f64,
     domain: Domain<1>,

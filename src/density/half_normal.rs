@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 use std::sync::Arc;
 
 /// f = 2 φ(x/σ) / σ on x ≥ 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct HalfNormal {
     scale: f64,
     domain: Domain<1>,

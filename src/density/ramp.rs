@@ -15,7 +15,7 @@ pub enum Direction {
 }
 
 /// f = 2x or 2(1 - x) on \[0, 1\].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
     direction: Direction,
     domain: Domain<1>,

@@ -7,7 +7,7 @@ use crate::space::{Domain, Field, Point};
 use std::sync::Arc;
 
 /// f = λ exp(-λx) / (1 - exp(-λ)) on \[0, 1\].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TruncatedExponential {
     rate: f64,
     domain: Domain<1>,

@@ -7,7 +7,7 @@ use crate::space::{Domain, DomainError, Field, Point};
 use std::sync::Arc;
 
 /// f = 1/(b - a) on \[a, b\].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Uniform {
     low: f64,
     high: f64,

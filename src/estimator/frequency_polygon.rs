@@ -2,7 +2,7 @@
 
 use super::bins::Bins;
 use super::width::{self, Rule, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
@@ -106,8 +106,10 @@ impl Described for FrequencyPolygon {
         )
         .place(),
     ];
+}
 
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+impl Build<1> for FrequencyPolygon {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let rules: &[(_, Rule)] = &[("normal-reference", selector::frequency_polygon)];
         let width = Width::given(values, context, rules, |_, truth, draws| {
             // 2 (15 / (49 R(f″) n))^(1/5) [Scott 1992, eq. 4.10]

@@ -2,7 +2,7 @@
 
 use super::bins::Bins;
 use super::width::{self, Rule, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
@@ -98,8 +98,10 @@ impl Described for Histogram {
         )
         .place(),
     ];
+}
 
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+impl Build<1> for Histogram {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let origin = values.number("origin").unwrap_or(0.0);
         let rules: &[(_, Rule)] = &[
             ("scott", selector::scott),
@@ -118,7 +120,7 @@ impl Described for Histogram {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Context, Described, Estimate};
+    use super::super::{Build, Context, Estimate};
     use super::super::{FrequencyPolygon, Histogram, Kde, Naive, ShiftedHistogram};
     use crate::parameter::{Value, Values};
     use crate::sample::Sample;
@@ -129,7 +131,7 @@ mod tests {
         Sample::equal(x.map(|x| [x]).to_vec(), Domain::whole()).expect("legal")
     }
 
-    fn fitted<E: Described>(settings: &[(&'static str, Value)]) -> Estimate<1> {
+    fn fitted<E: Build<1>>(settings: &[(&'static str, Value)]) -> Estimate<1> {
         let mut values = Values::defaults(E::PARAMETERS);
         for (name, value) in settings {
             values.set(name, value.clone());

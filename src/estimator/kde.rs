@@ -1,7 +1,7 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
 use super::width::best;
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::boundary::{Boundary, Ignore};
 use crate::density::Density;
 use crate::engine::{EXACT, LINE, Planned};
@@ -159,8 +159,10 @@ impl Described for Kde {
             "what to do at walls",
         ),
     ];
+}
 
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+impl Build<1> for Kde {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let shape = values
             .word("shape")
             .and_then(Shape::named)
@@ -174,7 +176,7 @@ impl Kde {
     pub(super) fn new(
         shape: Shape,
         values: &Values,
-        context: &Context,
+        context: &Context<1>,
     ) -> Result<Self, BuildError> {
         let width = match (values.number("bandwidth"), values.word("bandwidth")) {
             (Some(h), _) => Width::Number(h),

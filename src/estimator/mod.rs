@@ -22,7 +22,7 @@ pub use naive::Naive;
 pub use normal::Normal;
 pub use shifted_histogram::ShiftedHistogram;
 
-use crate::density::{Density, Univariate};
+use crate::density::Density;
 use crate::kernel::{Bandwidth, WidthError};
 use crate::parameter::{Parameter, Values};
 use crate::sample::Sample;
@@ -156,15 +156,15 @@ pub trait Estimator<const D: usize>: Send + Sync {
 
 /// What is known when an estimator is built from its settings: needed by settings such as an oracle's bandwidth.
 #[derive(Clone)]
-pub struct Context {
-    /// The density that samples come from, where it is known.
-    pub truth: Option<Arc<dyn Univariate>>,
+pub struct Context<const D: usize> {
+    /// The density that samples come from, where it is known; [`Density::univariate`] gives what only exists on a line.
+    pub truth: Option<Arc<dyn Density<D>>>,
     /// The size of the samples.
     pub draws: usize,
 }
 
-/// What the catalogue says about an estimator, kept in the estimator's own file.
-pub trait Described: Estimator<1> + Sized + 'static {
+/// What the catalogue says about an estimator, kept in the estimator's own file; once, whether it lives on the line, in the plane or in both.
+pub trait Described {
     /// Its name in files, tables and legends.
     const NAME: &'static str;
     /// One sentence.
@@ -177,10 +177,14 @@ pub trait Described: Estimator<1> + Sized + 'static {
     const PARAMETERS: &'static [Parameter];
     /// The parameter that decides how smooth the estimate is, where there is one.
     const SMOOTHING: Option<&'static str>;
+}
 
+/// An estimator that can be made from what a file says, in `D` dimensions. One that lives in both implements this for both: on one type if
+/// its settings are the same, on two if not, with [`Described`] on the one that the catalogue names first.
+pub trait Build<const D: usize>: Described + Estimator<D> + Sized + 'static {
     /// Builds it from checked values.
     ///
     /// # Errors
     /// If the values do not go together, or need a truth that is not known.
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError>;
+    fn build(values: &Values, context: &Context<D>) -> Result<Self, BuildError>;
 }

@@ -1,6 +1,8 @@
 //! The naive estimator: the share of the data within a window around each place.
 
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Kde, Laws, Moments};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Kde, Laws, Moments,
+};
 use crate::density::Density;
 use crate::kernel::Shape;
 use crate::parameter::{Parameter, Values};
@@ -42,8 +44,10 @@ impl Described for Naive {
         help: "h, half the width of the window, in the unit of the data",
         ..super::kde::BANDWIDTH
     }];
+}
 
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+impl Build<1> for Naive {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         Ok(Self(Kde::new(Shape::Uniform, values, context)?))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bins::Bins;
 use super::width::{self, Rule, Width};
-use super::{BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::density::Density;
 use crate::kernel::Shape;
 use crate::parameter::{Absent, Kind, Parameter, Values};
@@ -120,8 +120,10 @@ impl Described for ShiftedHistogram {
         )
         .place(),
     ];
+}
 
-    fn build(values: &Values, context: &Context) -> Result<Self, BuildError> {
+impl Build<1> for ShiftedHistogram {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let rules: &[(_, Rule)] = &[("normal-reference", selector::shifted_histogram)];
         let width = Width::given(values, context, rules, |_, truth, draws| {
             // that of the kernel which the mean tends to

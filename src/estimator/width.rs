@@ -23,7 +23,7 @@ impl Width {
     /// What the file says under `width`: a number, one of the `rules`, or a word that `optimum` turns into a number with the known truth.
     pub(super) fn given(
         values: &Values,
-        context: &Context,
+        context: &Context<1>,
         rules: &[(&str, Rule)],
         optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
     ) -> Result<Self, BuildError> {
@@ -74,7 +74,7 @@ impl Width {
 
 /// The number behind a word that means "the best width for the true density".
 pub(super) fn best(
-    context: &Context,
+    context: &Context<1>,
     parameter: &'static str,
     word: &str,
     optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
@@ -85,7 +85,12 @@ pub(super) fn best(
             "\"{word}\" is the best {parameter} for a known density, and the density of measured data is not known; give a number or a rule that looks at the data alone"
         )));
     };
-    let best = optimum(word, &**truth, context.draws as f64).map_err(|why| {
+    let Some(truth) = truth.univariate() else {
+        return Err(error(format!(
+            "\"{word}\": no theory of the best {parameter} is known for this density; give a number"
+        )));
+    };
+    let best = optimum(word, truth, context.draws as f64).map_err(|why| {
         error(format!(
             "\"{word}\": {why}; give a number, or \"oracle\" where it is allowed"
         ))
@@ -113,11 +118,11 @@ pub(super) fn binned(
         .map(|c| {
             Ok(field(
                 Bins::of(&sample.channel(c), origin, width)?,
-                *sample.domain(),
+                sample.domain().clone(),
             ))
         })
         .collect::<Result<_, FitError>>()?;
-    let mut estimate = Estimate::new(field(total, *sample.domain())).with_channels(channels);
+    let mut estimate = Estimate::new(field(total, sample.domain().clone())).with_channels(channels);
     estimate.smoothing = Some(smoothing);
     estimate.warnings = warnings;
     Ok(estimate)

@@ -1,5 +1,6 @@
 //! What an experiment will cost, known before anything is drawn.
 
+use super::catalogue::Builds;
 use super::{Experiment, SourceSpec, catalogue};
 use crate::density;
 use crate::estimator::Context;
@@ -116,7 +117,7 @@ pub fn seconds(experiment: &Experiment) -> Option<f64> {
     let draws = experiment.draws.iter().copied().max()?.min(POINTS);
     let mut random = random::stream(experiment.seed, "cost", 0);
     let points: Vec<_> = (0..draws).map(|_| truth.draw(&mut random)).collect();
-    let sample = Sample::equal(points, *truth.domain()).ok()?;
+    let sample = Sample::equal(points, truth.domain().clone()).ok()?;
     let cells = experiment
         .grid
         .map_or(super::read::DEFAULT_CELLS, |grid| grid.cells)
@@ -130,7 +131,9 @@ pub fn seconds(experiment: &Experiment) -> Option<f64> {
             truth: Some(truth.clone()),
             draws,
         };
-        let estimator = (catalogue::estimator(&spec.kind)?.build)(&spec.values, &context).ok()?;
+        let estimator = catalogue::estimator(&spec.kind)?
+            .build(&spec.values, &context)
+            .ok()?;
         // The better of two: the first pays for cold caches.
         let mut least = f64::INFINITY;
         for _ in 0..2 {

@@ -1,12 +1,15 @@
 //! The only place where a name in a file meets a type.
 
 use crate::density::{self, Univariate};
-use crate::estimator::{self, BuildError, Context, Described, Estimator};
+use crate::estimator::{self, Build, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
 use std::sync::Arc;
 
 /// An estimator built from its settings, or what is wrong with them.
-pub type Built = Result<Box<dyn Estimator<1>>, BuildError>;
+pub type Built<const D: usize> = Result<Box<dyn Estimator<D>>, BuildError>;
+
+/// How an estimator is built from checked values.
+pub type Builder<const D: usize> = fn(&Values, &Context<D>) -> Built<D>;
 
 /// An estimator as the catalogue knows it.
 #[derive(Clone, Copy)]
@@ -23,30 +26,116 @@ pub struct Entry {
     pub parameters: &'static [Parameter],
     /// The parameter that decides how smooth the estimate is.
     pub smoothing: Option<&'static str>,
-    /// Builds it from checked values.
-    pub build: fn(&Values, &Context) -> Built,
+    /// Builds it for data on a line.
+    pub line: Option<Builder<1>>,
+    /// Builds it for data in the plane.
+    pub plane: Option<Builder<2>>,
 }
 
-const fn entry<E: Described>() -> Entry {
-    Entry {
-        name: E::NAME,
-        summary: E::SUMMARY,
-        cost: E::COST,
-        reference: E::REFERENCE,
-        parameters: E::PARAMETERS,
-        smoothing: E::SMOOTHING,
-        build: |values, context| Ok(Box::new(E::build(values, context)?)),
+/// What code that serves both dimensions asks of an [`Entry`].
+pub trait Builds<const D: usize> {
+    /// How it is built in `D` dimensions, if it exists there.
+    fn builder(&self) -> Option<Builder<D>>;
+
+    /// Builds it from checked values.
+    ///
+    /// # Errors
+    /// If it does not exist in `D` dimensions, the values do not go together, or they need what is not known.
+    fn build(&self, values: &Values, context: &Context<D>) -> Built<D>;
+}
+
+impl Builds<1> for Entry {
+    fn builder(&self) -> Option<Builder<1>> {
+        self.line
     }
+
+    fn build(&self, values: &Values, context: &Context<1>) -> Built<1> {
+        self.checked(self.line, values, context, "on a line")
+    }
+}
+
+impl Builds<2> for Entry {
+    fn builder(&self) -> Option<Builder<2>> {
+        self.plane
+    }
+
+    fn build(&self, values: &Values, context: &Context<2>) -> Built<2> {
+        self.checked(self.plane, values, context, "in the plane")
+    }
+}
+
+impl Entry {
+    const fn of<E: Described>() -> Self {
+        Self {
+            name: E::NAME,
+            summary: E::SUMMARY,
+            cost: E::COST,
+            reference: E::REFERENCE,
+            parameters: E::PARAMETERS,
+            smoothing: E::SMOOTHING,
+            line: None,
+            plane: None,
+        }
+    }
+
+    const fn line<E: Build<1>>(self) -> Self {
+        Self {
+            line: Some(|values, context| Ok(Box::new(E::build(values, context)?))),
+            ..self
+        }
+    }
+
+    const fn plane<E: Build<2>>(self) -> Self {
+        Self {
+            plane: Some(|values, context| Ok(Box::new(E::build(values, context)?))),
+            ..self
+        }
+    }
+
+    fn checked<const D: usize>(
+        &self,
+        builder: Option<Builder<D>>,
+        values: &Values,
+        context: &Context<D>,
+        place: &str,
+    ) -> Built<D> {
+        let Some(build) = builder else {
+            return Err(BuildError {
+                parameter: self.smoothing.unwrap_or_default(),
+                what: format!("the estimator `{}` does not exist {place}", self.name),
+            });
+        };
+        let elsewhere = |parameter: &&Parameter| {
+            parameter.only.is_some_and(|only| only != D) && values.get(parameter.name).is_some()
+        };
+        if let Some(parameter) = self.parameters.iter().find(elsewhere) {
+            return Err(BuildError {
+                parameter: parameter.name,
+                what: format!("`{}` has no meaning {place}", parameter.name),
+            });
+        }
+        build(values, context)
+    }
+}
+
+/// An estimator of the line.
+const fn line<E: Build<1>>() -> Entry {
+    Entry::of::<E>().line::<E>()
+}
+
+/// An estimator of both: one type twice, or two types, described by the first.
+const fn both<L: Build<1>, P: Build<2>>() -> Entry {
+    Entry::of::<L>().line::<L>().plane::<P>()
 }
 
 /// Every estimator; to add one, add a line.
 pub const ESTIMATORS: &[Entry] = &[
-    entry::<estimator::Histogram>(),
-    entry::<estimator::ShiftedHistogram>(),
-    entry::<estimator::FrequencyPolygon>(),
-    entry::<estimator::Naive>(),
-    entry::<estimator::Kde>(),
-    entry::<estimator::Normal>(),
+    line::<estimator::Histogram>(),
+    line::<estimator::ShiftedHistogram>(),
+    line::<estimator::FrequencyPolygon>(),
+    line::<estimator::Naive>(),
+    line::<estimator::Kde>(),
+    both::<estimator::Normal, estimator::Normal>(),
 ];
 
 /// The estimator of that name.

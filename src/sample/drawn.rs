@@ -17,7 +17,7 @@ impl<const D: usize> Source<D> for Drawn<D> {
     fn sample(&self, draws: usize, random: &mut Stream) -> Result<Sample<D>, SampleError> {
         Sample::equal(
             (0..draws).map(|_| self.0.draw(random)).collect(),
-            *self.0.domain(),
+            self.0.domain().clone(),
         )
     }
 }

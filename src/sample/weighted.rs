@@ -30,6 +30,16 @@ pub enum SampleError {
         /// The coordinate there.
         value: f64,
     },
+    /// A point in the box around the domain's polygon but not in the polygon.
+    #[error("point {index} (counted from 0) at ({x}, {y}) lies outside the polygon")]
+    OutsidePolygon {
+        /// Which point.
+        index: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+    },
     /// Not one weight a point.
     #[error("{weights} weights for {points} points")]
     Count {
@@ -175,7 +185,12 @@ impl<const D: usize> Sample<D> {
                 return SampleError::Outside { index, axis, value };
             }
         }
-        unreachable!("called for a point that is not inside")
+        // inside the box, so the domain has an outline, which only a plane has
+        SampleError::OutsidePolygon {
+            index,
+            x: point[0],
+            y: point[D - 1],
+        }
     }
 
     fn measure(points: &[Point<D>], weights: &Weights) -> Result<(f64, f64), SampleError> {
@@ -282,7 +297,7 @@ impl<const D: usize> Sample<D> {
             points: self.points.clone(),
             weights,
             channels: Arc::new([]),
-            domain: self.domain,
+            domain: self.domain.clone(),
             mass,
             effective_size,
         }

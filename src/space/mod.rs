@@ -11,12 +11,14 @@ mod domain;
 mod field;
 mod grid;
 mod modes;
+mod polygon;
 mod raster;
 
 pub use domain::{Domain, DomainError, Side};
 pub use field::{Evaluation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
 pub use modes::{Mode, RIPPLE, modes};
+pub use polygon::{Polygon, PolygonError};
 pub use raster::Raster;
 
 /// A place in `D` dimensions.

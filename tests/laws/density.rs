@@ -211,7 +211,7 @@ fn derivatives_are_differences() {
 fn roughness_is_the_integral_or_infinite_for_a_reason() {
     let (mut finite, mut infinite) = (0, 0);
     for (name, truth) in all() {
-        let (domain, (mut low, mut high)) = (*truth.domain(), ends(&*truth));
+        let (domain, (mut low, mut high)) = (truth.domain().clone(), ends(&*truth));
         if domain.has_walls() {
             // where the density is small its slope need not be
             low = domain.low()[0];
@@ -267,7 +267,7 @@ fn roughness_is_the_integral_or_infinite_for_a_reason() {
 #[test]
 fn nothing_lies_outside_the_support_and_nothing_is_undefined() {
     for (name, truth) in all() {
-        let domain = *truth.domain();
+        let domain = truth.domain().clone();
         let ([low], [high]) = (domain.low(), domain.high());
         for x in [
             f64::NEG_INFINITY,

@@ -98,7 +98,7 @@ pub fn estimator(text: &str, origin: &str) -> Result<EstimatorSpec, Problems> {
 pub fn estimator_in(
     text: &str,
     origin: &str,
-    context: &Context,
+    context: &Context<1>,
 ) -> Result<(EstimatorSpec, Box<dyn Estimator<1>>), Problems> {
     let (spec, built) = single::estimator(text, origin, Some(context))?;
     let built = built.ok_or_else(|| Problems::whole(origin, "the estimator was not built"))?;

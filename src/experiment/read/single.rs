@@ -16,7 +16,7 @@ pub(super) type Single = (EstimatorSpec, Option<Box<dyn Estimator<1>>>);
 pub(super) fn estimator(
     text: &str,
     origin: &str,
-    context: Option<&Context>,
+    context: Option<&Context<1>>,
 ) -> Result<Single, Problems> {
     let mut reader = Reader::default();
     let inline = text.trim_start().starts_with('{');

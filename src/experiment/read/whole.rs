@@ -7,15 +7,17 @@ use super::problem::{Problem, printable};
 use super::setting::Setting;
 use super::{CELLS, CLAIMS, DEFAULT_CELLS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
 use super::{claim, figure, source, value};
+use crate::density::Density;
 use crate::estimator::Context;
 use crate::experiment::budget::{self, Part};
-use crate::experiment::catalogue::{self, Built};
+use crate::experiment::catalogue::{self, Builds, Built};
 use crate::experiment::{EstimatorSpec, Experiment, GridSpec};
 use crate::parameter::{Absent, Kind, Parameter};
 use crate::sample::Sample;
 use crate::space::{Grid, GridError};
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 use toml::de::DeValue;
 
 /// The keys of the top level with what they mean.
@@ -404,7 +406,10 @@ fn try_building(reader: &mut Reader, groups: &[Group], sources: &[source::Read],
         };
         for &draws in sizes {
             let context = Context {
-                truth: source.truth.clone(),
+                truth: source
+                    .truth
+                    .clone()
+                    .map(|truth| truth as Arc<dyn Density<1>>),
                 draws,
             };
             let trial = trial(source, draws);
@@ -450,15 +455,15 @@ fn trial(source: &source::Read, draws: usize) -> Option<Sample<1>> {
     match (&source.sample, &source.truth) {
         (Some(sample), _) => (sample.len() <= LARGE).then(|| sample.clone()),
         (None, Some(truth)) if draws == 1 => {
-            Sample::equal(vec![[truth.quantile(0.5)]], *truth.domain()).ok()
+            Sample::equal(vec![[truth.quantile(0.5)]], truth.domain().clone()).ok()
         }
         _ => None,
     }
 }
 
 /// Builds an estimator.
-pub(super) fn try_to_build(spec: &EstimatorSpec, context: &Context) -> Built {
+pub(super) fn try_to_build(spec: &EstimatorSpec, context: &Context<1>) -> Built<1> {
     let entry = catalogue::estimator(&spec.kind)
         .expect("specifications are made from entries of the catalogue");
-    (entry.build)(&spec.values, context)
+    entry.build(&spec.values, context)
 }

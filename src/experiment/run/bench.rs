@@ -2,8 +2,9 @@
 
 use super::cell::sampling_stream;
 use super::{Cell, RunError, block_length};
-use crate::density::Univariate;
+use crate::density::{Density, Univariate};
 use crate::estimator::{Context, Estimator};
+use crate::experiment::catalogue::Builds;
 use crate::experiment::{Experiment, GridSpec, SourceSpec, catalogue};
 use crate::sample::{Sample, Summary, file};
 use crate::space::{Domain, Grid, Side};
@@ -101,7 +102,7 @@ impl Bench {
                 let name = self.experiment.sources[source].name();
                 let mut random = sampling_stream(self.experiment.seed, replicate);
                 let points = (0..draws).map(|_| density.draw(&mut random)).collect();
-                Sample::equal(points, *density.domain())
+                Sample::equal(points, density.domain().clone())
                     .map_err(|error| RunError::Input(format!("a sample from \"{name}\": {error}")))
             }
         }
@@ -187,7 +188,7 @@ fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Sett
         .as_ref()
         .map(|density| density.on(&grid).into_values());
     let context = Context {
-        truth: density,
+        truth: density.map(|density| density as Arc<dyn Density<1>>),
         draws,
     };
     let estimators: Result<_, _> = experiment
@@ -196,7 +197,8 @@ fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Sett
         .map(|spec| {
             let entry = catalogue::estimator(&spec.kind)
                 .ok_or_else(|| RunError::Input(format!("no estimator is called {}", spec.kind)))?;
-            (entry.build)(&spec.values, &context)
+            entry
+                .build(&spec.values, &context)
                 .map_err(|error| RunError::Input(format!("estimator \"{}\": {error}", spec.name)))
         })
         .collect();

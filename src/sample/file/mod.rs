@@ -80,7 +80,7 @@ pub enum Column<'a> {
 }
 
 /// What to read: one column for each axis, perhaps a column of weights, and where the points may lie.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Request<'a, const D: usize> {
     /// The column of each axis.
     pub columns: [Column<'a>; D],
@@ -97,8 +97,8 @@ pub struct Request<'a, const D: usize> {
 pub fn read<const D: usize>(path: &Path, request: &Request<'_, D>) -> Result<Sample<D>, FileError> {
     let (points, weights) = read_rows(path, request)?;
     let sample = match weights {
-        None => Sample::equal(points, request.domain),
-        Some(weights) => Sample::normalised(points, weights, request.domain),
+        None => Sample::equal(points, request.domain.clone()),
+        Some(weights) => Sample::normalised(points, weights, request.domain.clone()),
     };
     sample.map_err(|error| {
         let what = match error {

@@ -2,7 +2,7 @@
 
 use density_lab::density::{NormalComponent, NormalMixture};
 use density_lab::estimator::{Context, Estimator};
-use density_lab::experiment::catalogue::{ESTIMATORS, Entry};
+use density_lab::experiment::catalogue::{Builds, ESTIMATORS, Entry};
 use density_lab::parameter::{Absent, Kind, Parameter, Unit, Value, Values};
 use density_lab::sample::{Sample, Weights};
 use density_lab::space::Domain;
@@ -58,7 +58,12 @@ impl Subject {
 
 /// Every estimator of the catalogue: for each value of what decides the smoothing, the defaults with one other parameter varied at a time.
 pub fn catalogue() -> Vec<Subject> {
-    ESTIMATORS.iter().flat_map(settings).collect()
+    let on_a_line = |entry: &&'static Entry| entry.line.is_some();
+    ESTIMATORS
+        .iter()
+        .filter(on_a_line)
+        .flat_map(settings)
+        .collect()
 }
 
 /// Whether an expectation is owed: the width is a number of the file, and the estimate is linear in the data.
@@ -94,7 +99,9 @@ fn settings(entry: &'static Entry) -> Vec<Subject> {
     for base in bases {
         all.push(base.clone());
         for parameter in entry.parameters {
-            if Some(parameter.name) == entry.smoothing {
+            if Some(parameter.name) == entry.smoothing
+                || parameter.only.is_some_and(|only| only != 1)
+            {
                 continue;
             }
             for value in tried(parameter) {
@@ -180,7 +187,8 @@ fn subject(entry: &'static Entry, values: Values) -> Subject {
                     moved.set(parameter.name, Value::Number(there));
                 }
             }
-            (entry.build)(&moved, &context(scale, shift))
+            entry
+                .build(&moved, &context(scale, shift))
                 .unwrap_or_else(|error| panic!("{}: {error}", entry.name))
         }),
     );
@@ -191,7 +199,7 @@ fn subject(entry: &'static Entry, values: Values) -> Subject {
 }
 
 /// What an oracle is told: a normal truth that is stretched and moved with the data.
-pub fn context(scale: f64, shift: f64) -> Context {
+pub fn context(scale: f64, shift: f64) -> Context<1> {
     let component = NormalComponent {
         weight: 1.0,
         mean: shift + 0.1 * scale,

@@ -3,7 +3,7 @@
 use super::cases::Subject;
 use density_lab::estimator::Context;
 use density_lab::estimator::{Estimate, Estimator, FitError, Laws};
-use density_lab::experiment::catalogue::estimator;
+use density_lab::experiment::catalogue::{Builds, estimator};
 use density_lab::parameter::{Value, Values};
 use density_lab::sample::{Sample, Weights};
 use density_lab::space::{Domain, Evaluation, Field, Point, Targets};
@@ -116,14 +116,15 @@ fn kernel(h: f64) -> Box<dyn Estimator<1>> {
     let entry = estimator("kernel").unwrap();
     let mut values = Values::defaults(entry.parameters);
     values.set("bandwidth", Value::Number(h));
-    (entry.build)(
-        &values,
-        &Context {
-            truth: None,
-            draws: 20,
-        },
-    )
-    .unwrap()
+    entry
+        .build(
+            &values,
+            &Context {
+                truth: None,
+                draws: 20,
+            },
+        )
+        .unwrap()
 }
 
 fn histogram(width: f64, origin: f64) -> Box<dyn Estimator<1>> {
@@ -131,14 +132,15 @@ fn histogram(width: f64, origin: f64) -> Box<dyn Estimator<1>> {
     let mut values = Values::defaults(entry.parameters);
     values.set("width", Value::Number(width));
     values.set("origin", Value::Number(origin));
-    (entry.build)(
-        &values,
-        &Context {
-            truth: None,
-            draws: 20,
-        },
-    )
-    .unwrap()
+    entry
+        .build(
+            &values,
+            &Context {
+                truth: None,
+                draws: 20,
+            },
+        )
+        .unwrap()
 }
 
 fn good(scale: f64) -> Spoilt {
@@ -186,7 +188,12 @@ fn sample_spoilt(
                 let weights: Vec<f64> = (0..sample.len()).map(|i| sample.weight(i)).collect();
                 let (points, weights) = prepare(sample.coordinates(), &weights);
                 let points = points.into_iter().map(|x| [x]).collect();
-                Sample::new(points, Weights::Each(weights.into()), *sample.domain()).unwrap()
+                Sample::new(
+                    points,
+                    Weights::Each(weights.into()),
+                    sample.domain().clone(),
+                )
+                .unwrap()
             })),
             ..good(scale)
         }
@@ -227,14 +234,15 @@ fn silverman() -> Box<dyn Estimator<1>> {
     let entry = estimator("kernel").unwrap();
     let mut values = Values::defaults(entry.parameters);
     values.set("bandwidth", Value::Word("silverman".to_owned()));
-    (entry.build)(
-        &values,
-        &Context {
-            truth: None,
-            draws: 20,
-        },
-    )
-    .unwrap()
+    entry
+        .build(
+            &values,
+            &Context {
+                truth: None,
+                draws: 20,
+            },
+        )
+        .unwrap()
 }
 
 /// Every planted violation with the name of the law that must catch it.
@@ -339,7 +347,7 @@ pub fn all() -> Vec<(Subject, &'static str)> {
                         .iter()
                         .map(|&x| [f64::from(x as f32)])
                         .collect();
-                    Sample::new(points, sample.weights().clone(), *sample.domain()).unwrap()
+                    Sample::new(points, sample.weights().clone(), sample.domain().clone()).unwrap()
                 })),
                 ..good(scale)
             }),
