@@ -6,7 +6,9 @@
 //! positive parts, each seen from less than one and a half bandwidths away.
 
 use super::basis::{Basis, Side};
+use super::pieces::pieces;
 use crate::numeric::Sum;
+use rayon::prelude::*;
 
 /// Some data close together.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,29 @@ pub(super) struct Ladder<B, const N: usize> {
 /// Runs of so few items are added one by one: no dearer, and exact to the last bits.
 const FEW: usize = 4;
 
+/// The rungs of one cell from the moments of its items about its centre.
+fn climb<const N: usize>(rungs: &mut [Rung<N>], items: impl Iterator<Item = [f64; N]>, cell: u32) {
+    let mut total = [Sum::default(); N];
+    for (rung, moments) in rungs.iter_mut().zip(items) {
+        total
+            .iter_mut()
+            .zip(moments)
+            .for_each(|(sum, m)| sum.add(m));
+        // kept for the way back, where it is overwritten by the sum
+        rung.from = moments;
+        rung.upto = total.map(Sum::value);
+        rung.cell = cell;
+    }
+    total = [Sum::default(); N];
+    for rung in rungs.iter_mut().rev() {
+        total
+            .iter_mut()
+            .zip(rung.from)
+            .for_each(|(sum, m)| sum.add(m));
+        rung.from = total.map(Sum::value);
+    }
+}
+
 impl<B: Basis<N>, const N: usize> Ladder<B, N> {
     /// Items in ascending order; `scale` is 1/h; `window` the length that all later runs span.
     pub(super) fn new(basis: B, scale: f64, window: f64, items: Vec<Item<N>>) -> Self {
@@ -73,30 +98,17 @@ impl<B: Basis<N>, const N: usize> Ladder<B, N> {
             from: [0.0; N],
         };
         let mut rungs = vec![blank; items.len()];
-        for (number, cell) in cells.iter().enumerate() {
-            let seen =
-                |item: &Item<N>| basis.shift(&item.moments, (item.centre - cell.centre) * scale);
-            let mut total = [Sum::default(); N];
-            for i in cell.first..cell.end {
-                let moments = seen(&items[i]);
-                // kept for the way back, where it is overwritten by the sum
-                rungs[i].from = moments;
-                total
-                    .iter_mut()
-                    .zip(moments)
-                    .for_each(|(sum, m)| sum.add(m));
-                rungs[i].upto = total.map(Sum::value);
-                rungs[i].cell = number as u32;
-            }
-            total = [Sum::default(); N];
-            for i in (cell.first..cell.end).rev() {
-                total
-                    .iter_mut()
-                    .zip(rungs[i].from)
-                    .for_each(|(sum, m)| sum.add(m));
-                rungs[i].from = total.map(Sum::value);
-            }
-        }
+        pieces(&mut rungs, cells.iter().map(|cell| cell.end - cell.first))
+            .zip(&cells)
+            .enumerate()
+            .with_min_len(8)
+            .for_each(|(number, (rungs, cell))| {
+                let seen = |item: &Item<N>| {
+                    basis.shift(&item.moments, (item.centre - cell.centre) * scale)
+                };
+                let items = &items[cell.first..cell.end];
+                climb(rungs, items.iter().map(seen), number as u32);
+            });
         Self {
             basis,
             scale,
@@ -106,6 +118,7 @@ impl<B: Basis<N>, const N: usize> Ladder<B, N> {
         }
     }
 
+    /// The items.
     pub(super) fn items(&self) -> &[Item<N>] {
         &self.items
     }

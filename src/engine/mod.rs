@@ -18,6 +18,7 @@ mod direct;
 mod hermite;
 mod interval;
 mod ladder;
+mod pieces;
 mod plan;
 mod sorted;
 
