@@ -21,11 +21,13 @@ pub(super) struct Lattice<'a> {
     /// Half the width, in t, of the zone around a breakpoint in which rounding could decide; 0 where the kernel is so flat at its
     /// ends that either decision is right to rounding.
     pub doubt: f64,
+    /// What data on the wrong side of a breakpoint cost at most, relative to the ceiling.
+    misplaced: f64,
     pub kink: bool,
 }
 
 /// What a datum that is assigned to the wrong side of a breakpoint may cost, relative to the peak of the kernel.
-const NEGLIGIBLE: f64 = 1e-14;
+const NEGLIGIBLE: f64 = 4e-13;
 
 impl<'a> Lattice<'a> {
     pub(super) fn new(grid: &'a Grid<1>, h: f64, shape: Shape) -> Result<Self, Unsupported> {
@@ -37,8 +39,9 @@ impl<'a> Lattice<'a> {
         }
         let reach = h / width;
         let span = grid.low()[0].abs().max(grid.high()[0].abs()) / width;
-        // each of some ten roundings, of x / width, t and the reach, may move a datum against a breakpoint by half an epsilon
-        let doubt = 8.0 * f64::EPSILON * (span + cells as f64 + reach);
+        // half an epsilon each: of t, its difference, factor, product and sum with the reach; of places, those of the grid's first and j-th
+        // point; of the reach, itself, the two steps of u, and two sums; and a quarter more for what comes of all these together
+        let doubt = f64::EPSILON * (2.5 * cells as f64 + 1.25 * span + 4.0 * reach);
         // not < : NaN and infinity are refused too
         if !(doubt < 0.25 && width.recip().is_finite()) {
             return Err(Unsupported(
@@ -47,6 +50,7 @@ impl<'a> Lattice<'a> {
         }
         // K / K(0) within ε of its end is at most (2ε)ˢ
         let cost = (2.0 * doubt / reach).powi(flatness(shape));
+        let negligible = cost < NEGLIGIBLE;
         let kink = shape == Shape::Triangular;
         Ok(Self {
             grid,
@@ -55,7 +59,8 @@ impl<'a> Lattice<'a> {
             inverse: width.recip(),
             scale: h.recip(),
             reach,
-            doubt: if cost < NEGLIGIBLE { 0.0 } else { doubt },
+            doubt: if negligible { 0.0 } else { doubt },
+            misplaced: if negligible { cost } else { 0.0 },
             kink,
         })
     }
@@ -78,18 +83,18 @@ impl<'a> Lattice<'a> {
     /// Data between two closings, which end the chains of additions before their roundings add up: a multiple of [`CHUNK`].
     pub(super) fn run(&self, sum: &KernelSum<1>) -> usize {
         let terms = expansion_terms(sum, self.half_interval());
-        let allowed = (8192.0 / terms).min(1e9) as usize;
+        let allowed = (4096.0 / terms).min(1e9) as usize;
         allowed
             .clamp(1024, block(self.intervals()))
             .max(self.intervals() / 2)
             .next_multiple_of(CHUNK)
     }
 
-    /// Bound on the error relative to the ceiling: the roundings of the longest chain of additions, and [`NEGLIGIBLE`].
+    /// Bound on the error relative to the ceiling: the roundings of the longest chain of additions, and what may be misplaced.
     pub(super) fn error(&self, sum: &KernelSum<1>) -> f64 {
         let (n, run, block) = (sum.sample().len(), self.run(sum), block(self.intervals()));
-        let chain = (run.min(n) / 2).max(1) + block.min(n) / run + n / block;
-        expansion_error(sum, self.half_interval(), chain) + NEGLIGIBLE
+        let chain = run.min(n) + block.min(n) / run + n / block;
+        expansion_error(sum, self.half_interval(), chain) + self.misplaced
     }
 
     /// Positions of a datum against the progressions of breakpoints: windows entered, centres passed, windows left.

@@ -132,7 +132,7 @@ fn on_lattice(sum: &KernelSum<1>, lattice: &Lattice<'_>) -> Vec<f64> {
             1 => compute(sum, lattice, Powers::<1>::new(c)),
             2 => compute(sum, lattice, Powers::<2>::new(c)),
             3 => compute(sum, lattice, Powers::<4>::new(c)),
-            5..=8 => compute(sum, lattice, Powers::<8>::new(c)),
+            5..=7 => compute(sum, lattice, Powers::<8>::new(c)),
             _ => by_definition(sum, Targets::Grid(lattice.grid)),
         },
         Form::Cosine => compute(sum, lattice, Waves),

@@ -23,9 +23,13 @@ struct Sweep<'a, B, const N: usize, const DOUBT: bool> {
     shape: Shape,
     lattice: &'a Lattice<'a>,
     partition: &'a Partition,
+    /// The centres of the intervals, their number rounded up to a power of two.
+    centres: &'a [f64],
     points: &'a [f64],
     weights: Option<&'a [f64]>,
     run: usize,
+    /// Cleared, and cleared again afterwards: kept from block to block, as new memory costs as much as filling it.
+    table: &'a mut Table<N>,
 }
 
 /// What is known of the data of a chunk: interval, and the lifted numbers of [`Basis::lift`].
@@ -35,26 +39,54 @@ struct Scratch {
     second: [f64; CHUNK],
 }
 
-/// The moments of the intervals, twice: neighbours in the data often fall into one interval, and with two copies in turn an
-/// addition need not wait for the last.
-struct Copies<const N: usize> {
-    even: Vec<[f64; N]>,
-    odd: Vec<[f64; N]>,
+/// The moments of the intervals since the last closing. One copy: two would spare data that fall into one interval in turn a wait of some
+/// nanoseconds, but their tables would not stay in the first cache, which costs more on any other data.
+///
+/// Rows begin at multiples of their size, so that none lies across two lines of the cache. Where the basis fills one number less than its
+/// row has, the last one is the centre of the interval: it is wanted at the same time.
+struct Table<const N: usize> {
+    numbers: Vec<f64>,
+    first: usize,
+}
+
+impl<const N: usize> Table<N> {
+    /// Whether the last number of a row is the centre: not so for bases of one or two functions, which fill theirs.
+    const CENTRED: bool = N >= 4;
+
+    fn new(centres: &[f64]) -> Self {
+        /// `f64`s in a line of the cache.
+        const LINE: usize = 8;
+        let numbers = vec![0.0; centres.len() * N + LINE];
+        let first = numbers
+            .as_ptr()
+            .align_offset(LINE * size_of::<f64>())
+            .min(LINE);
+        let mut table = Self { numbers, first };
+        if Self::CENTRED {
+            for (row, centre) in table.rows(centres.len()).iter_mut().zip(centres) {
+                row[N - 1] = *centre;
+            }
+        }
+        table
+    }
+
+    #[inline(always)]
+    fn rows(&mut self, count: usize) -> &mut [[f64; N]] {
+        self.numbers[self.first..self.first + count * N]
+            .as_chunks_mut()
+            .0
+    }
 }
 
 impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N, DOUBT> {
     type Output = Partial<N>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Partial<N> {
+    fn with_simd<S: Simd>(mut self, _simd: S) -> Partial<N> {
         let intervals = self.partition.centres.len();
         let mut partial = Partial {
             rows: Vec::new(),
             corrections: Vec::new(),
-        };
-        let mut copies = Copies {
-            even: vec![[0.0; N]; intervals],
-            odd: vec![[0.0; N]; intervals],
         };
         let mut scratch = Scratch {
             index: [0; CHUNK],
@@ -67,16 +99,10 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N
             let weights = self
                 .weights
                 .map(|w| &w[number * CHUNK..(number + 1) * CHUNK]);
-            self.add_chunk(
-                chunk,
-                weights,
-                &mut scratch,
-                &mut copies,
-                &mut partial.corrections,
-            );
+            self.add_chunk(chunk, weights, &mut scratch, &mut partial.corrections);
             since += CHUNK;
             if since == self.run {
-                copies.close(&mut partial.rows);
+                close(self.table.rows(intervals), &mut partial.rows);
                 since = 0;
             }
         }
@@ -88,40 +114,22 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N
                 weights[..rest.len()].copy_from_slice(&w[self.points.len() - rest.len()..]);
             }
             let weights = self.weights.map(|_| &weights[..]);
-            self.add_chunk(
-                &chunk,
-                weights,
-                &mut scratch,
-                &mut copies,
-                &mut partial.corrections,
-            );
+            self.add_chunk(&chunk, weights, &mut scratch, &mut partial.corrections);
         }
-        if partial.rows.is_empty() {
-            // never closed: no third table is needed
-            copies
-                .even
-                .iter_mut()
-                .zip(&copies.odd)
-                .for_each(|(even, odd)| add(even, odd));
-            partial.rows = copies.even;
-        } else {
-            copies.close(&mut partial.rows);
-        }
+        close(self.table.rows(intervals), &mut partial.rows);
         partial
     }
 }
 
-impl<const N: usize> Copies<N> {
-    /// Adds both copies to the total and clears them.
-    #[inline(always)]
-    fn close(&mut self, rows: &mut Vec<[f64; N]>) {
-        rows.resize(self.even.len(), [0.0; N]);
-        for ((row, even), odd) in rows.iter_mut().zip(&mut self.even).zip(&mut self.odd) {
-            for k in 0..N {
-                row[k] += even[k] + odd[k];
-            }
-            *even = [0.0; N];
-            *odd = [0.0; N];
+/// Adds the table to the total and clears it.
+#[inline(always)]
+fn close<const N: usize>(table: &mut [[f64; N]], rows: &mut Vec<[f64; N]>) {
+    rows.resize(table.len(), [0.0; N]);
+    let filled = N - usize::from(Table::<N>::CENTRED);
+    for (row, more) in rows.iter_mut().zip(table) {
+        for k in 0..filled {
+            row[k] += more[k];
+            more[k] = 0.0;
         }
     }
 }
@@ -129,64 +137,55 @@ impl<const N: usize> Copies<N> {
 impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
     #[inline(always)]
     fn add_chunk(
-        &self,
+        &mut self,
         points: &[f64; CHUNK],
         weights: Option<&[f64]>,
         scratch: &mut Scratch,
-        copies: &mut Copies<N>,
         corrections: &mut Vec<f64>,
     ) {
         if self.classify(points, &mut scratch.index) {
             self.settle(points, weights, &scratch.index, corrections);
         }
         if B::LIFTS {
+            let (centres, scale) = (&self.partition.centres[..], self.lattice.scale);
             for i in 0..CHUNK {
-                scratch.first[i] = self.distance(points[i], scratch.index[i]);
+                scratch.first[i] = (points[i] - centres[scratch.index[i] as u32 as usize]) * scale;
             }
             self.basis.lift(&mut scratch.first, &mut scratch.second);
         }
         match weights {
-            None => self.scatter(points, |_| 1.0, scratch, copies),
-            Some(w) => self.scatter(points, |i| w[i], scratch, copies),
+            None => self.scatter(points, |_| 1.0, scratch),
+            Some(w) => self.scatter(points, |i| w[i], scratch),
         }
     }
 
-    /// From the centre of its interval to a datum, in units of h.
     #[inline(always)]
-    fn distance(&self, x: f64, index: u64) -> f64 {
-        (x - self.partition.centres[index as u32 as usize]) * self.lattice.scale
-    }
-
-    #[inline(always)]
-    fn scatter(
-        &self,
-        points: &[f64; CHUNK],
-        weight: impl Fn(usize) -> f64,
-        scratch: &Scratch,
-        copies: &mut Copies<N>,
-    ) {
-        let Scratch {
-            index,
-            first,
-            second,
-        } = scratch;
-        let weighted = |i: usize| {
+    fn scatter(&mut self, points: &[f64; CHUNK], weight: impl Fn(usize) -> f64, scratch: &Scratch) {
+        // by value, so that the compiler need not fear that the table overlaps them
+        let (basis, scale) = (self.basis, self.lattice.scale);
+        let size = self.centres.len();
+        let (centres, table) = (&self.centres[..size], &mut self.table.rows(size)[..size]);
+        for i in 0..CHUNK {
+            // a mask is cheaper than a check
+            let interval = scratch.index[i] as usize & (size - 1);
+            let total = &mut table[interval];
             let mut row = if B::LIFTS {
-                self.basis.row(first[i], second[i])
+                basis.row(scratch.first[i], scratch.second[i])
             } else {
-                self.basis.row(self.distance(points[i], index[i]), 0.0)
+                let centre = if Table::<N>::CENTRED {
+                    total[N - 1]
+                } else {
+                    centres[interval]
+                };
+                basis.row((points[i] - centre) * scale, 0.0)
             };
             for moment in &mut row {
                 *moment *= weight(i);
             }
-            row
-        };
-        for i in (0..CHUNK).step_by(2) {
-            add(&mut copies.even[index[i] as u32 as usize], &weighted(i));
-            add(
-                &mut copies.odd[index[i + 1] as u32 as usize],
-                &weighted(i + 1),
-            );
+            if Table::<N>::CENTRED {
+                row[N - 1] = 0.0;
+            }
+            add(total, &row);
         }
     }
 
@@ -287,28 +286,35 @@ pub(super) fn sweep<B: Basis<N>, const N: usize, const DOUBT: bool>(
     basis: B,
 ) -> Partial<N> {
     let size = block(partition.centres.len());
+    let mut centres = partition.centres.clone();
+    centres.resize(centres.len().next_power_of_two(), 0.0);
     let arch = Arch::new();
     let blocks: Vec<Partial<N>> = sum
         .sample()
         .coordinates()
         .par_chunks(size)
         .enumerate()
-        .map(|(number, points)| {
-            let start = number * size;
-            let weights = match sum.sample().weights() {
-                Weights::Equal(_) => None,
-                Weights::Each(weights) => Some(&weights[start..start + points.len()]),
-            };
-            arch.dispatch(Sweep::<B, N, DOUBT> {
-                basis,
-                shape: sum.shape(),
-                lattice,
-                partition,
-                points,
-                weights,
-                run: lattice.run(sum),
-            })
-        })
+        .map_init(
+            || Table::new(&centres),
+            |table, (number, points)| {
+                let start = number * size;
+                let weights = match sum.sample().weights() {
+                    Weights::Equal(_) => None,
+                    Weights::Each(weights) => Some(&weights[start..start + points.len()]),
+                };
+                arch.dispatch(Sweep::<B, N, DOUBT> {
+                    basis,
+                    shape: sum.shape(),
+                    lattice,
+                    partition,
+                    centres: &centres,
+                    points,
+                    weights,
+                    run: lattice.run(sum),
+                    table,
+                })
+            },
+        )
         .collect();
     // in the order of the data, whoever finished first
     let mut blocks = blocks.into_iter();
