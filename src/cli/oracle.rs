@@ -90,7 +90,12 @@ impl Oracle {
     }
 
     fn answer(&self) -> Result<Answer, Stop> {
-        let density = known(&self.density)?;
+        let density = known(&self.density)?.line().ok_or_else(|| {
+            Stop::Input(format!(
+                "--density: \"{}\" is a density of the plane; the oracle knows those on a line",
+                self.density
+            ))
+        })?;
         let shape = Shape::named(&self.kernel).ok_or_else(|| {
             let guess = nearest(&self.kernel, Shape::NAMES)
                 .map(|name| format!("; did you mean \"{name}\"?"))

@@ -3,13 +3,12 @@
 use super::argument;
 use super::output::Output;
 use super::stop::Stop;
-use crate::density::{self, Univariate};
+use crate::density::{self, Truth};
 use crate::parameter::nearest;
 use crate::random::stream;
 use clap::Args;
 use npyz::WriterBuilder;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// The most points of one file; more are written by nobody on purpose.
 const MOST: u64 = 1_000_000_000;
@@ -40,7 +39,7 @@ pub struct Sample {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
 
-    /// Where to: a .csv file with the column x, or an .npy array [default: CSV on stdout]
+    /// Where to: a .csv file with the column x (x and y in the plane), or an .npy array [default: CSV on stdout]
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
 }
@@ -61,23 +60,50 @@ impl Sample {
             .is_some_and(|path| path.extension().is_some_and(|ending| ending == "npy"));
         let mut output = Output::open(self.output.as_deref())?;
         let mut random = stream(self.seed, "sample", 0);
-        let mut draw = || density.draw(&mut random)[0];
+        let dimensions: u64 = match density {
+            Truth::Line(_) => 1,
+            Truth::Plane(_) => 2,
+        };
+        let mut draw = |numbers: &mut Vec<f64>| {
+            numbers.clear();
+            match &density {
+                Truth::Line(density) => numbers.extend(density.draw(&mut random)),
+                Truth::Plane(density) => numbers.extend(density.draw(&mut random)),
+            }
+        };
+        let mut point = Vec::new();
         if array {
             let mut head = Vec::new();
+            // numbers on a line are an array of one axis
+            let both = [self.n, dimensions];
+            let shape = &both[..if dimensions == 1 { 1 } else { 2 }];
             npyz::WriteOptions::<f64>::new()
                 .default_dtype()
-                .shape(&[self.n])
+                .shape(shape)
                 .writer(&mut head)
                 .write_header_only()
                 .expect("a vector takes every byte");
             output.write_all(&head)?;
             for _ in 0..self.n {
-                output.write_all(&draw().to_le_bytes())?;
+                draw(&mut point);
+                for number in &point {
+                    output.write_all(&number.to_le_bytes())?;
+                }
             }
         } else {
-            output.write_all(b"x\n")?;
+            output.write_all(if dimensions == 1 {
+                &b"x\n"[..]
+            } else {
+                b"x,y\n"
+            })?;
             for _ in 0..self.n {
-                output.number(draw())?;
+                draw(&mut point);
+                for (axis, &number) in point.iter().enumerate() {
+                    if axis > 0 {
+                        output.write_all(b",")?;
+                    }
+                    output.number(number)?;
+                }
                 output.write_all(b"\n")?;
             }
         }
@@ -86,8 +112,8 @@ impl Sample {
 }
 
 /// The density of that name, or what could have been meant.
-pub fn known(name: &str) -> Result<Arc<dyn Univariate>, Stop> {
-    if let Some(density) = density::named(name) {
+pub fn known(name: &str) -> Result<Truth, Stop> {
+    if let Some(density) = density::truth(name) {
         return Ok(density);
     }
     let what = if density::entry(name).is_some() {

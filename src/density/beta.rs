@@ -1,6 +1,6 @@
 //! The beta density: walls that it leaves with a jump, a kink, or any smoother power.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::numeric::root;
 use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
 use crate::random::Stream;
@@ -220,7 +220,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry {
             "the shape at 1: f falls like (1 - x)^(b - 1); from 1 (a jump) to 1000",
         ),
     ],
-    build,
+    build: Builder::Line(build),
 }];
 
 fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {

@@ -1,6 +1,6 @@
 //! The exponential density: steepest at its wall.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
 use crate::random::{Stream, open_unit};
 use crate::space::{Domain, Field, Point};
@@ -107,7 +107,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry {
         Absent::Number(1.0),
         "λ of exp(-λx): one over the mean",
     )],
-    build,
+    build: Builder::Line(build),
 }];
 
 fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {

@@ -1,6 +1,6 @@
 //! The right half of a normal density: flat at its wall, so that only the jump is the matter.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::numeric::special::{
     normal_density, normal_density_derivative, normal_probability, normal_quantile,
 };
@@ -126,7 +126,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry {
         Absent::Number(1.0),
         "the deviation of the whole normal",
     )],
-    build,
+    build: Builder::Line(build),
 }];
 
 fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {

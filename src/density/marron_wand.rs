@@ -5,7 +5,7 @@
 //! # References
 //! Marron & Wand 1992, Exact Mean Integrated Squared Error, Annals of Statistics 20, table 1.
 
-use super::{Entry, NormalComponent, NormalMixture};
+use super::{Builder, Entry, NormalComponent, NormalMixture};
 use std::sync::Arc;
 
 /// The density with that number in table 1, from 1 to 15.
@@ -90,11 +90,11 @@ const fn entry<const NUMBER: usize>(
         summary,
         reference: "Marron & Wand 1992, table 1",
         parameters: &[],
-        build: |_| {
+        build: Builder::Line(|_| {
             Ok(Arc::new(
                 marron_wand(NUMBER).expect("the entries below carry numbers of the table"),
             ))
-        },
+        }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Weighted sums of normal densities: nearly any shape, and every error of a Gaussian kernel estimate in closed form.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::numeric::root;
 use crate::numeric::special::{
     normal_density, normal_density_derivative, normal_distribution, normal_probability,
@@ -247,7 +247,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry {
         ]),
         "the normals: a list of { weight, mean, deviation }",
     )],
-    build,
+    build: Builder::Line(build),
 }];
 
 fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {

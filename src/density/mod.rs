@@ -9,11 +9,12 @@
 //! | exponential decay from a wall, endless or cut off at 1 | `exponential`, `truncated-exponential` | `exponential.rs`, `truncated_exponential.rs` |
 //! | the right half of a normal | `half-normal` | `half_normal.rs` |
 //! | xᵃ⁻¹ (1 - x)ᵇ⁻¹ on \[0, 1\] | `beta` | `beta.rs` |
+//! | in the plane: normals, products, the unit square lit in several ways, rooms with polygons for walls | see `plane/` | `plane/` |
 //!
 //! To add a density: one file with its type and its [`Entry`], one line in [`CATALOGUE`]. The law tests find it there.
 //!
 //! # Drawing
-//! Each density says how many random words a draw takes. All but the beta density invert their distribution function, so that the number is fixed and
+//! Each density says how many random words a draw takes. All but the beta density (and products with it) invert their distribution function, so that the number is fixed and
 //! equal streams give similar samples from similar densities.
 
 mod beta;
@@ -21,6 +22,7 @@ mod exponential;
 mod half_normal;
 mod marron_wand;
 mod mixture;
+mod plane;
 mod ramp;
 mod truncated_exponential;
 mod uniform;
@@ -30,6 +32,9 @@ pub use exponential::Exponential;
 pub use half_normal::HalfNormal;
 pub use marron_wand::marron_wand;
 pub use mixture::{MixtureError, NormalComponent, NormalMixture};
+pub use plane::{
+    PlaneComponent, PlaneMixture, PlaneMixtureError, Product, Room, Smooth, Square, SquarePart,
+};
 pub use ramp::{Direction, Ramp};
 pub use truncated_exponential::TruncatedExponential;
 pub use uniform::Uniform;
@@ -59,6 +64,35 @@ pub trait Density<const D: usize>: Field<D> {
 
     /// The same density with what only exists on a line, in one dimension.
     fn univariate(&self) -> Option<&dyn Univariate> {
+        None
+    }
+
+    /// The same density with what only exists in the plane, in two dimensions.
+    fn bivariate(&self) -> Option<&dyn Bivariate> {
+        None
+    }
+}
+
+/// A density in the plane, with what theory needs of it there.
+pub trait Bivariate: Density<2> {
+    /// ∇f(x), one-sided from inside at a break; 0 outside the support.
+    fn gradient(&self, x: Point<2>) -> [f64; 2];
+
+    /// Δf(x) = ∂²f/∂x² + ∂²f/∂y², one-sided from inside at a break; 0 outside the support.
+    fn laplacian(&self, x: Point<2>) -> f64;
+
+    /// ∫|∇f|² over the whole plane; infinite where the density jumps. What the bias of a histogram needs.
+    fn gradient_roughness(&self) -> f64;
+
+    /// ∫(Δf)² over the whole plane; infinite where the density or its gradient jumps, so that asymptotic theory that needs it says so. What the
+    /// bias of a kernel estimate needs.
+    fn laplacian_roughness(&self) -> f64;
+
+    /// The mean and the covariance matrix.
+    fn mean_and_covariance(&self) -> (Point<2>, [[f64; 2]; 2]);
+
+    /// The density as weighted normals, where it is one: exact errors have closed forms then.
+    fn normal_components(&self) -> Option<&[PlaneComponent]> {
         None
     }
 }
@@ -98,11 +132,66 @@ pub struct Entry {
     pub reference: &'static str,
     /// What it may be told.
     pub parameters: &'static [Parameter],
-    /// Builds it from checked values.
-    pub build: fn(&Values) -> Result<Arc<dyn Univariate>, BuildError>,
+    /// How it is built from checked values.
+    pub build: Builder,
+}
+
+/// How a density is built from checked values.
+#[derive(Clone, Copy, Debug)]
+pub enum Builder {
+    /// On a line.
+    Line(fn(&Values) -> Result<Arc<dyn Univariate>, BuildError>),
+    /// In the plane.
+    Plane(fn(&Values) -> Result<Arc<dyn Bivariate>, BuildError>),
+}
+
+/// A density with all that is known about it, in the number of dimensions that it has.
+#[derive(Clone)]
+pub enum Truth {
+    /// On a line.
+    Line(Arc<dyn Univariate>),
+    /// In the plane.
+    Plane(Arc<dyn Bivariate>),
+}
+
+impl Truth {
+    /// The density, if it is one on a line.
+    pub fn line(self) -> Option<Arc<dyn Univariate>> {
+        match self {
+            Self::Line(density) => Some(density),
+            Self::Plane(_) => None,
+        }
+    }
+
+    /// The density, if it is one in the plane.
+    pub fn plane(self) -> Option<Arc<dyn Bivariate>> {
+        match self {
+            Self::Plane(density) => Some(density),
+            Self::Line(_) => None,
+        }
+    }
 }
 
 impl Entry {
+    /// Builds it from checked values.
+    ///
+    /// # Errors
+    /// If the values do not make a density.
+    pub fn build(&self, values: &Values) -> Result<Truth, BuildError> {
+        match self.build {
+            Builder::Line(build) => build(values).map(Truth::Line),
+            Builder::Plane(build) => build(values).map(Truth::Plane),
+        }
+    }
+
+    /// 1 on a line, 2 in the plane.
+    pub fn dimensions(&self) -> usize {
+        match self.build {
+            Builder::Line(_) => 1,
+            Builder::Plane(_) => 2,
+        }
+    }
+
     /// Whether the name alone makes a density.
     pub fn stands_alone(&self) -> bool {
         self.parameters
@@ -121,6 +210,11 @@ pub const CATALOGUE: &[&[Entry]] = &[
     truncated_exponential::ENTRIES,
     half_normal::ENTRIES,
     beta::ENTRIES,
+    plane::mixture::ENTRIES,
+    plane::product::ENTRIES,
+    plane::square::ENTRIES,
+    plane::smooth::ENTRIES,
+    plane::room::ENTRIES,
 ];
 
 /// All densities in the order of the catalogue.
@@ -138,8 +232,18 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
     entries().find(|entry| entry.names.contains(&name))
 }
 
-/// The density of that name with its default parameters; `None` if there is none of that name, or it needs to be told something.
+/// The density of that name on a line with its default parameters; `None` if there is none of that name, or it needs to be told something.
 pub fn named(name: &str) -> Option<Arc<dyn Univariate>> {
+    truth(name)?.line()
+}
+
+/// The density of that name in the plane with its default parameters; `None` as for [`named`].
+pub fn named_in_plane(name: &str) -> Option<Arc<dyn Bivariate>> {
+    truth(name)?.plane()
+}
+
+/// The density of that name in either, with its default parameters.
+pub fn truth(name: &str) -> Option<Truth> {
     let entry = entry(name).filter(|entry| entry.stands_alone())?;
-    (entry.build)(&Values::defaults(entry.parameters)).ok()
+    entry.build(&Values::defaults(entry.parameters)).ok()
 }

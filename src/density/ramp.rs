@@ -1,6 +1,6 @@
 //! The two ramps on the unit interval: one end a jump of height 2, the other a kink at height 0.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::random::{Stream, open_unit};
 use crate::space::{Domain, Field, Point};
 use std::sync::Arc;
@@ -122,13 +122,13 @@ pub(super) const ENTRIES: &[Entry] = &[
         summary: "2x on the unit interval: rises to a wall",
         reference: "Jones 1993, Simple boundary correction, Statistics and Computing 3",
         parameters: &[],
-        build: |_| Ok(Arc::new(Ramp::new(Direction::Up))),
+        build: Builder::Line(|_| Ok(Arc::new(Ramp::new(Direction::Up)))),
     },
     Entry {
         names: &["ramp-down"],
         summary: "2(1 - x) on the unit interval: falls from a wall",
         reference: "Jones 1993, Simple boundary correction, Statistics and Computing 3",
         parameters: &[],
-        build: |_| Ok(Arc::new(Ramp::new(Direction::Down))),
+        build: Builder::Line(|_| Ok(Arc::new(Ramp::new(Direction::Down)))),
     },
 ];

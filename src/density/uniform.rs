@@ -1,6 +1,6 @@
 //! The uniform density: flat, with a wall at each end.
 
-use super::{Density, Entry, Univariate};
+use super::{Builder, Density, Entry, Univariate};
 use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
 use crate::random::{Stream, open_unit};
 use crate::space::{Domain, DomainError, Field, Point};
@@ -114,7 +114,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry {
         Parameter::optional("low", Kind::Real, Absent::Number(0.0), "where it begins"),
         Parameter::optional("high", Kind::Real, Absent::Number(1.0), "where it ends"),
     ],
-    build,
+    build: Builder::Line(build),
 }];
 
 fn build(values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {

@@ -113,7 +113,7 @@ pub fn seconds(experiment: &Experiment) -> Option<f64> {
     let SourceSpec::Density { kind, values, .. } = experiment.sources.first()? else {
         return None;
     };
-    let truth = (density::entry(kind)?.build)(values).ok()?;
+    let truth = density::entry(kind)?.build(values).ok()?.line()?;
     let draws = experiment.draws.iter().copied().max()?.min(POINTS);
     let mut random = random::stream(experiment.seed, "cost", 0);
     let points: Vec<_> = (0..draws).map(|_| truth.draw(&mut random)).collect();

@@ -1,6 +1,6 @@
 //! The only place where a name in a file meets a type.
 
-use crate::density::{self, Univariate};
+use crate::density::{self, Density, Truth};
 use crate::estimator::{self, Build, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
 use std::sync::Arc;
@@ -42,6 +42,9 @@ pub trait Builds<const D: usize> {
     /// # Errors
     /// If it does not exist in `D` dimensions, the values do not go together, or they need what is not known.
     fn build(&self, values: &Values, context: &Context<D>) -> Built<D>;
+
+    /// A density, if it has `D` dimensions.
+    fn truth(truth: Truth) -> Option<Arc<dyn Density<D>>>;
 }
 
 impl Builds<1> for Entry {
@@ -52,6 +55,10 @@ impl Builds<1> for Entry {
     fn build(&self, values: &Values, context: &Context<1>) -> Built<1> {
         self.checked(self.line, values, context, "on a line")
     }
+
+    fn truth(truth: Truth) -> Option<Arc<dyn Density<1>>> {
+        truth.line().map(|density| density as Arc<dyn Density<1>>)
+    }
 }
 
 impl Builds<2> for Entry {
@@ -61,6 +68,10 @@ impl Builds<2> for Entry {
 
     fn build(&self, values: &Values, context: &Context<2>) -> Built<2> {
         self.checked(self.plane, values, context, "in the plane")
+    }
+
+    fn truth(truth: Truth) -> Option<Arc<dyn Density<2>>> {
+        truth.plane().map(|density| density as Arc<dyn Density<2>>)
     }
 }
 
@@ -147,10 +158,10 @@ pub fn estimator(name: &str) -> Option<&'static Entry> {
 ///
 /// # Errors
 /// If there is none, or the values do not make one.
-pub fn density(name: &str, values: &Values) -> Result<Arc<dyn Univariate>, BuildError> {
+pub fn density(name: &str, values: &Values) -> Result<Truth, BuildError> {
     let unknown = || BuildError {
         parameter: "density",
         what: format!("no density is called {name}"),
     };
-    (density::entry(name).ok_or_else(unknown)?.build)(values)
+    density::entry(name).ok_or_else(unknown)?.build(values)
 }

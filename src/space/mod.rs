@@ -13,13 +13,15 @@ mod grid;
 mod modes;
 mod polygon;
 mod raster;
+mod summits;
 
 pub use domain::{Domain, DomainError, Side};
 pub use field::{Evaluation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
 pub use modes::{Mode, RIPPLE, modes};
-pub use polygon::{Polygon, PolygonError};
+pub use polygon::{Polygon, PolygonError, clip, distance_to_segment, moments as polygon_moments};
 pub use raster::Raster;
+pub use summits::mode_count;
 
 /// A place in `D` dimensions.
 pub type Point<const D: usize> = [f64; D];

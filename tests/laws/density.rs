@@ -15,7 +15,7 @@ fn built(name: &str, settings: &[(&'static str, f64)]) -> Arc<dyn Univariate> {
     for &(parameter, value) in settings {
         values.set(parameter, Value::Number(value));
     }
-    (entry.build)(&values).unwrap()
+    entry.build(&values).unwrap().line().unwrap()
 }
 
 /// (weight, mean, deviation or variance) of each component.
@@ -37,7 +37,7 @@ fn mixture(parts: &[(f64, f64, f64)]) -> Values {
 /// Every density of the catalogue, those with parameters at several settings.
 fn all() -> Vec<(String, Arc<dyn Univariate>)> {
     let mut all: Vec<(String, Arc<dyn Univariate>)> = density::entries()
-        .filter(|entry| entry.stands_alone())
+        .filter(|entry| entry.dimensions() == 1 && entry.stands_alone())
         .map(|entry| {
             let name = entry.names[0];
             (name.to_owned(), density::named(name).unwrap())
@@ -58,9 +58,12 @@ fn all() -> Vec<(String, Arc<dyn Univariate>)> {
     for (name, values) in settings {
         all.push((format!("{name} {values:?}"), built(name, values)));
     }
-    let build = density::entry("normal-mixture").unwrap().build;
+    let entry = density::entry("normal-mixture").unwrap();
     let far = mixture(&[(0.25, 1000.0, 2.0), (0.75, 1010.0, 0.03)]);
-    all.push(("mixture far from 0".to_owned(), build(&far).unwrap()));
+    all.push((
+        "mixture far from 0".to_owned(),
+        entry.build(&far).unwrap().line().unwrap(),
+    ));
     all
 }
 
@@ -472,9 +475,7 @@ fn names_are_distinct_and_lead_to_their_density() {
 #[test]
 fn what_is_no_density_is_refused_with_the_parameter_at_fault() {
     let refused = |name: &str, values: Values| {
-        let error = (density::entry(name).unwrap().build)(&values)
-            .err()
-            .unwrap();
+        let error = density::entry(name).unwrap().build(&values).err().unwrap();
         (error.parameter, error.what)
     };
     let with = |name: &'static str, value: f64| {
@@ -512,7 +513,8 @@ fn what_is_no_density_is_refused_with_the_parameter_at_fault() {
         assert!(!what.is_empty());
     }
     let nearly = mixture(&[(0.5, 0.0, 1.0), (0.5 + 1e-10, 1.0, 1.0)]);
-    let built = (density::entry("normal-mixture").unwrap().build)(&nearly).unwrap();
+    let entry = density::entry("normal-mixture").unwrap();
+    let built = entry.build(&nearly).unwrap().line().unwrap();
     assert!((built.distribution(f64::INFINITY) - 1.0).abs() < 1e-15);
 }
 

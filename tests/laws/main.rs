@@ -5,4 +5,5 @@ mod chance;
 mod density;
 mod engine;
 mod estimator;
+mod plane_density;
 mod theory;

@@ -3,7 +3,7 @@
 use super::node::{Entry, Item, Reader, Table, found};
 use super::problem::{Problem, Span, printable};
 use super::value;
-use crate::density::{self, Univariate};
+use crate::density::{self, Truth, Univariate};
 use crate::experiment::SourceSpec;
 use crate::parameter::{Absent, Kind, Parameter, Values, listed, nearest};
 use crate::sample::Sample;
@@ -250,8 +250,15 @@ fn build(
     place: impl Fn(&str) -> Span,
     span: Span,
 ) -> Option<Read> {
-    match (entry.build)(&values) {
-        Ok(truth) => Some(Read {
+    match entry.build(&values) {
+        Ok(Truth::Plane(_)) => {
+            reader.report(Problem::at(
+                span,
+                format!("the density \"{name}\" is one of the plane; experiments are on a line"),
+            ));
+            None
+        }
+        Ok(Truth::Line(truth)) => Some(Read {
             spec: SourceSpec::Density {
                 name: name.to_owned(),
                 kind: entry.names[0].to_owned(),

@@ -143,7 +143,10 @@ fn open(spec: &SourceSpec) -> Result<Opened, RunError> {
         SourceSpec::Density { kind, values, .. } => {
             let built = catalogue::density(kind, values)
                 .map_err(|error| RunError::Input(error.to_string()))?;
-            Ok(Opened::Density(built))
+            let line = built.line().ok_or_else(|| {
+                RunError::Input(format!("the density {kind} is one of the plane"))
+            })?;
+            Ok(Opened::Density(line))
         }
         SourceSpec::File {
             path,

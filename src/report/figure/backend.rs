@@ -95,6 +95,18 @@ impl Backend {
         ))
     }
 
+    /// A PNG file in base 64, stretched over a rectangle without smoothing.
+    pub fn image(&mut self, corner: BackendCoord, size: BackendCoord, data: &str) {
+        let _ = writeln!(
+            self.body,
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>",
+            pixels(corner.0),
+            pixels(corner.1),
+            pixels(size.0),
+            pixels(size.1),
+        );
+    }
+
     fn stroke<S: BackendStyle>(&self, style: &S) -> String {
         let colour = style.color();
         let mut attributes = format!(

@@ -123,6 +123,11 @@ impl Canvas {
             .expect(INFALLIBLE);
     }
 
+    /// A PNG file in base 64, stretched over a rectangle.
+    pub(super) fn picture(&self, corner: (i32, i32), size: (i32, i32), data: &str) {
+        self.backend.borrow_mut().image(corner, size, data);
+    }
+
     /// A disc of `colour`, or a ring with a white middle.
     pub fn dot(&self, at: Place, radius: f64, colour: RGBColor, ring: bool) {
         let centre = (units(at.0), units(at.1));

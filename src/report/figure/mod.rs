@@ -10,6 +10,7 @@
 //! | [`Comparison`] | how large is the error of each, how sure are we, and what is it exactly? |
 //! | [`Sweep`] | how do bias² and variance trade against each other as the bandwidth grows? |
 //! | [`Modes`] | how often does each estimator show how many modes? |
+//! | [`HeatMaps`] | what does a density of the plane, or an error, look like? |
 //! | [`Dots`] | how do a few numbers near each other (efficiencies) compare? |
 //!
 //! Layers, bottom up: `backend` writes SVG for plotters, `canvas` draws on it in pixels and keeps data inside their frame
@@ -17,9 +18,12 @@
 
 mod backend;
 mod canvas;
+mod colour;
 mod comparison;
+mod contour;
 mod curves;
 mod dots;
+mod heatmap;
 mod legend;
 mod modes;
 mod multiples;
@@ -30,9 +34,11 @@ mod scale;
 mod style;
 mod sweep;
 
+pub use colour::Colours;
 pub use comparison::{Comparison, Row};
 pub use curves::Curves;
 pub use dots::{Dot, Dots};
+pub use heatmap::{HeatMaps, Map};
 pub use modes::{ModeCounts, Modes};
 pub use multiples::{Multiples, Small};
 pub use panel::Frame;

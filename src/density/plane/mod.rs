@@ -1,0 +1,23 @@
+//! Known truths in the plane.
+//!
+//! | density | names | file |
+//! |---|---|---|
+//! | weighted normals with any covariance | `normal-2d`, `normal-mixture-2d` | `mixture.rs` |
+//! | f(x) g(y) of any two densities on a line | `product` | `product.rs` |
+//! | the unit square: flat, a ramp, with a Gaussian highlight, with a bright disc, with all of these | `uniform-2d`, `ramp-2d`, `highlight`, `disc`, `mix` | `square.rs` |
+//! | 1 + a sin 2πx sin 2πy on the unit square | `smooth` | `smooth.rs` |
+//! | flat or linear on a polygon | `triangle`, `l-shape`, `polygon` | `room.rs` |
+//!
+//! All draw a fixed number of random words.
+
+pub(super) mod mixture;
+pub(super) mod product;
+pub(super) mod room;
+pub(super) mod smooth;
+pub(super) mod square;
+
+pub use mixture::{PlaneComponent, PlaneMixture, PlaneMixtureError};
+pub use product::Product;
+pub use room::Room;
+pub use smooth::Smooth;
+pub use square::{Square, SquarePart};
