@@ -2,7 +2,7 @@
 
 use super::width::best;
 use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
-use crate::boundary::{Boundary, Ignore};
+use crate::boundary::{self, Boundary, Ignore};
 use crate::density::Density;
 use crate::engine::{EXACT, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape};
@@ -84,7 +84,7 @@ impl Estimator<1> for Kde {
                     planned.expect("only known engines are built in"),
                 ))
             };
-            Ok(self.boundary.correct(sum, &compute).into())
+            Ok(self.boundary.correct(sum, &compute)?.into())
         };
         let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
             (0..sample.channels())
@@ -154,9 +154,9 @@ impl Described for Kde {
         ),
         Parameter::optional(
             "boundary",
-            Kind::Choice(&["ignore"]),
+            Kind::Choice(&boundary::NAMES),
             Absent::Word("ignore"),
-            "what to do at walls",
+            "what to do about the mass that kernels lay beyond the walls of the domain",
         ),
     ];
 }
@@ -199,7 +199,10 @@ impl Kde {
         Ok(Self {
             shape,
             width,
-            boundary: Box::new(Ignore),
+            boundary: values
+                .word("boundary")
+                .and_then(boundary::named)
+                .unwrap_or(Box::new(Ignore)),
             engine: values
                 .word("engine")
                 .and_then(|word| ENGINES[1..].iter().find(|name| **name == word).copied()),
