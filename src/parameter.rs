@@ -18,6 +18,8 @@ pub enum Kind {
     Fraction,
     /// A number strictly between two others.
     Between(f64, f64),
+    /// A number from one to another, both allowed.
+    Range(f64, f64),
     /// A whole number in a range, both ends allowed.
     Count {
         /// The least.
@@ -71,6 +73,7 @@ impl fmt::Display for Kind {
             Self::Between(low, high) => {
                 write!(f, "a number between {low} and {high}, the ends excluded")
             }
+            Self::Range(least, most) => write!(f, "a number from {least} to {most}"),
             Self::Count { least, most } => write!(f, "a whole number from {least} to {most}"),
             Self::Choice(words) => write!(f, "one of {}", listed(words)),
             Self::Choices(words) => write!(f, "a list of any of {}", listed(words)),

@@ -168,6 +168,37 @@ fn the_oracle_knows_the_published_optima() {
 }
 
 #[test]
+fn densities_with_parameters_are_written_as_in_a_file() {
+    let bench = Bench::new();
+    let oracle = |density| {
+        let answer = bench.run(&["oracle", "--density", density, "--n", "200", "--json"]);
+        answer.succeeds().json()["h_mise"].as_f64().unwrap()
+    };
+    // number 6 of Marron and Wand, by its components
+    let mixture = "normal-mixture = { components = [ { weight = 0.5, mean = -1, deviation = 0.6666666666666666 }, { weight = 0.5, mean = 1, deviation = 0.6666666666666666 } ] }";
+    assert!((oracle(mixture) / oracle("bimodal") - 1.0).abs() < 1e-9);
+    let exponential = oracle("exponential = { rate = 2 }");
+    assert!((2.0 * exponential / oracle("{ exponential = { rate = 1 } }") - 1.0).abs() < 1e-6);
+    let drawn = bench
+        .run(&[
+            "sample",
+            "--density",
+            "{ beta = { a = 2, b = 3 } }",
+            "--n",
+            "20000",
+        ])
+        .succeeds()
+        .says_nothing()
+        .table("x");
+    let mean = drawn.iter().map(|row| row[0]).sum::<f64>() / 20_000.0;
+    // a/(a + b), give or take five standard errors
+    assert!(
+        (mean - 0.4).abs() < 5.0 * 0.2 / 20_000.0_f64.sqrt(),
+        "{mean}"
+    );
+}
+
+#[test]
 fn the_oracle_prices_another_bandwidth() {
     let told = Bench::new()
         .run(&[

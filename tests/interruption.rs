@@ -231,3 +231,145 @@ fn a_finished_run_is_reused_and_force_replaces_it() {
             .success()
     );
 }
+
+/// What `lab run` says, and its exit code.
+fn says(command: &mut Command) -> (Option<i32>, String) {
+    let output = command.stderr(Stdio::piped()).output().unwrap();
+    (
+        output.status.code(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+/// The manifest in `out`, as if another build had written it.
+fn by_another_build(out: &Path) -> String {
+    let path = out.join("manifest.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert!(manifest["build"].as_str().unwrap().len() > 16);
+    manifest["build"] = "0123abc 0123456789abcdef".into();
+    let text = manifest.to_string();
+    fs::write(path, &text).unwrap();
+    text
+}
+
+#[test]
+fn a_run_finished_by_another_build_is_computed_anew_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = experiment(folder.path());
+    let out = folder.path().join("old");
+    assert!(lab(&path, &out, 2).status().unwrap().success());
+    let whole = contents(&out);
+    let theirs = by_another_build(&out);
+    fs::write(out.join("notes.txt"), "years of work").unwrap();
+    let (code, message) = says(&mut lab(&path, &out, 2));
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("notes.txt"), "{message}");
+    assert_eq!(
+        fs::read_to_string(out.join("manifest.json")).unwrap(),
+        theirs
+    );
+    fs::remove_file(out.join("notes.txt")).unwrap();
+    fs::remove_file(out.join("tables/summary.csv")).unwrap();
+    let (code, message) = says(&mut lab(&path, &out, 2));
+    assert_eq!(code, Some(0), "{message}");
+    assert!(
+        message.contains("0123abc") && message.contains("computed anew"),
+        "{message}"
+    );
+    assert_eq!(contents(&out), whole);
+    let (_, message) = says(&mut lab(&path, &out, 2));
+    assert!(message.contains("was finished before"), "{message}");
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().flatten().collect();
+    assert_eq!(names.len(), 2, "something is left: {names:?}");
+}
+
+#[test]
+fn a_quick_run_is_not_taken_for_a_whole_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = experiment(folder.path());
+    // the same number of replicates both ways
+    let text = EXPERIMENT.replace("replicates = 320", "replicates = 20");
+    fs::write(&path, text).unwrap();
+    let out = folder.path().join("quick");
+    assert!(
+        lab(&path, &out, 2)
+            .arg("--quick")
+            .status()
+            .unwrap()
+            .success()
+    );
+    let (code, message) = says(&mut lab(&path, &out, 2));
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("another run"), "{message}");
+    let (code, message) = says(lab(&path, &out, 2).arg("--quick"));
+    assert_eq!(code, Some(0), "{message}");
+    assert!(message.contains("was finished before"), "{message}");
+}
+
+/// A file system of its own in memory, gone when dropped.
+#[cfg(target_os = "linux")]
+struct Disk(PathBuf);
+
+#[cfg(target_os = "linux")]
+impl Disk {
+    /// `None` where nobody may mount anything here.
+    fn new(place: &Path, size: &str) -> Option<Self> {
+        fs::create_dir(place).unwrap();
+        let made = Self::mount(place, &format!("size={size}"));
+        made.then(|| Self(place.to_owned()))
+    }
+
+    fn grow(&self, size: &str) {
+        assert!(Self::mount(&self.0, &format!("remount,size={size}")));
+    }
+
+    fn mount(place: &Path, options: &str) -> bool {
+        let mut mount = Command::new("mount");
+        mount
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(place);
+        mount
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.0).status();
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_ends_a_run_with_the_file_at_fault_and_more_room_lets_it_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(disk) = Disk::new(&folder.path().join("disk"), "8k") else {
+        eprintln!("skipped: only root may mount a small disk");
+        return;
+    };
+    let path = experiment(folder.path());
+    let whole = uninterrupted(folder.path());
+    let out = disk.0.join("run");
+    // from the first file to the last: the fingerprint, a cell, a table, a figure, the report
+    let mut full = 0;
+    for size in ["8k", "64k", "256k", "512k", "640k", "768k", "1m"] {
+        disk.grow(size);
+        let (code, message) = says(&mut lab(&path, &out, 2));
+        if code == Some(0) {
+            break;
+        }
+        assert_eq!(code, Some(3), "{size}: {message}");
+        assert!(message.contains("No space left"), "{size}: {message}");
+        assert!(message.contains("run.partial"), "{size}: {message}");
+        assert!(!out.exists(), "{size}: something took the final name");
+        full += 1;
+    }
+    assert!(full >= 2, "the disk was never full");
+    disk.grow("64m");
+    assert!(lab(&path, &out, 2).status().unwrap().success());
+    assert_eq!(contents(&out), whole);
+}

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use density_lab::experiment::results::Results;
-use density_lab::experiment::run::{Bench, Existing, Opening, RunError, RunFolder, Silent, run};
+use density_lab::experiment::run::{
+    Bench, Existing, Identity, Opening, RunError, RunFolder, Silent, run,
+};
 use density_lab::experiment::{EstimatorSpec, Experiment, GridSpec, SourceSpec, table};
 use density_lab::parameter::{Value, Values};
 use std::path::{Path, PathBuf};
@@ -45,8 +47,12 @@ fn experiment() -> Experiment {
     }
 }
 
+fn identity(experiment: &Experiment) -> Identity {
+    Identity::of(experiment, false)
+}
+
 fn open(place: &Path, experiment: &Experiment, existing: Existing) -> RunFolder {
-    match RunFolder::open(place, experiment, existing).unwrap() {
+    match RunFolder::open(place, &identity(experiment), existing).unwrap() {
         Opening::Open(folder) => folder,
         Opening::Finished(path) => panic!("{} is finished", path.display()),
     }
@@ -194,7 +200,8 @@ fn another_experiment_neither_sees_nor_discards_the_journal_of_this_one() {
         ..experiment()
     })
     .unwrap();
-    let Err(error) = RunFolder::open(&place, other.experiment(), Existing::Continue) else {
+    let Err(error) = RunFolder::open(&place, &identity(other.experiment()), Existing::Continue)
+    else {
         panic!("must be refused")
     };
     assert!(error.to_string().contains("another experiment"), "{error}");
@@ -210,7 +217,7 @@ fn folders_beside_the_run_that_are_not_ours_are_never_touched() {
         std::fs::create_dir(folder.path().join(name)).unwrap();
         std::fs::write(folder.path().join(name).join("thesis.txt"), "years of work").unwrap();
     }
-    let Err(error) = RunFolder::open(&place, &experiment(), Existing::Replace) else {
+    let Err(error) = RunFolder::open(&place, &identity(&experiment()), Existing::Replace) else {
         panic!("must be refused")
     };
     assert!(
@@ -229,7 +236,7 @@ fn a_folder_of_something_else_is_never_touched() {
     std::fs::create_dir(&place).unwrap();
     std::fs::write(place.join("chapter1.tex"), "years of work").unwrap();
     for existing in [Existing::Continue, Existing::Replace] {
-        let Err(error) = RunFolder::open(&place, &experiment(), existing) else {
+        let Err(error) = RunFolder::open(&place, &identity(&experiment()), existing) else {
             panic!("must be refused")
         };
         assert!(
@@ -249,7 +256,7 @@ fn two_processes_do_not_share_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("run");
     let _first = open(&place, &experiment(), Existing::Continue);
-    let Err(error) = RunFolder::open(&place, &experiment(), Existing::Continue) else {
+    let Err(error) = RunFolder::open(&place, &identity(&experiment()), Existing::Continue) else {
         panic!("must be refused")
     };
     assert!(error.to_string().contains("another process"), "{error}");
@@ -278,4 +285,52 @@ fn simulated_errors_agree_with_a_stand_in_whose_errors_are_known() {
             );
         }
     }
+}
+
+#[test]
+fn another_build_does_not_go_on_with_what_this_one_began() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run");
+    let mine = identity(&experiment());
+    let other = Identity {
+        build: "0123abc 0123456789abcdef".to_owned(),
+        ..mine.clone()
+    };
+    let begun = |identity, existing| match RunFolder::open(&place, identity, existing) {
+        Ok(Opening::Open(folder)) => {
+            let remark = folder.remark().map(str::to_owned);
+            let cells = std::fs::read_dir(place.with_file_name("run.partial").join("journal"));
+            Ok((remark, cells.unwrap().count()))
+        }
+        Ok(Opening::Finished(path)) => panic!("{} is finished", path.display()),
+        Err(error) => Err(error.to_string()),
+    };
+    let cell = place
+        .with_file_name("run.partial")
+        .join("journal")
+        .join("cell.json");
+    assert_eq!(begun(&other, Existing::Continue), Ok((None, 0)));
+    std::fs::write(&cell, "theirs").unwrap();
+    assert_eq!(begun(&other, Existing::Resume), Ok((None, 1)));
+    let refused = begun(&mine, Existing::Resume).unwrap_err();
+    assert!(
+        refused.contains("0123abc") && refused.contains("leave --resume out"),
+        "{refused}"
+    );
+    assert!(cell.exists(), "a refusal must not touch anything");
+    let (remark, cells) = begun(&mine, Existing::Continue).unwrap();
+    assert!(remark.unwrap().contains("begun anew"));
+    assert_eq!(cells, 0);
+    assert_eq!(begun(&mine, Existing::Resume), Ok((None, 0)));
+}
+
+#[test]
+fn quick_runs_are_runs_of_their_own() {
+    let whole = Identity::of(&experiment(), false);
+    let quick = Identity::of(&experiment(), true);
+    assert_ne!(whole.fingerprint, quick.fingerprint);
+    assert_ne!(
+        RunFolder::default_place("test", &whole),
+        RunFolder::default_place("test", &quick)
+    );
 }

@@ -7,6 +7,7 @@
 //! | IRE | ∫((f̂ - f)/f)² where f ≥ 1 % of its peak | `errors.rs` |
 //! | energy | ∫f̂ / ∫f | `errors.rs` |
 //! | MISE, MIAE, MIRE | their means over samples, with standard errors | `interval.rs` |
+//! | medians and shares | of the replicates, with intervals | `interval.rs` |
 //! | ∫bias², ∫variance | from the pointwise moments of f̂ - f over samples | `tally.rs` |
 //!
 //! All integrals are midpoint sums over the cells of one grid, for simulated and exact values alike, so that the two are
@@ -18,6 +19,8 @@ mod paired;
 mod tally;
 
 pub use errors::{Errors, RELATIVE_FLOOR};
-pub use interval::{Interval, mean_interval, sidak};
+pub use interval::{
+    Interval, fewest_for_median, mean_interval, median_interval, share_interval, sidak,
+};
 pub use paired::{Paired, compare, lower_bound};
 pub use tally::{Decomposition, Tally};

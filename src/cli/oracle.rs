@@ -22,10 +22,11 @@ use serde::Serialize;
 Examples:
   lab oracle --density normal --kernel gaussian --n 100
   lab oracle --density bimodal --kernel epanechnikov --n 1e4 --json
-  lab oracle --density bimodal --n 200 --bandwidth 0.1         how much worse is 0.1 than the best?")]
+  lab oracle --density bimodal --n 200 --bandwidth 0.1         how much worse is 0.1 than the best?
+  lab oracle --density 'beta = { a = 2, b = 3 }' --n 1000")]
 pub struct Oracle {
-    /// A density by name (lab list densities)
-    #[arg(long, value_name = "NAME")]
+    /// A density by name (lab list densities), or with its parameters as in an experiment file
+    #[arg(long, value_name = "DENSITY")]
     density: String,
 
     /// A kernel by name (lab list kernels)

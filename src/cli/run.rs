@@ -8,16 +8,18 @@ use super::summary;
 use crate::experiment::judge::{Ruling, judge};
 use crate::experiment::manifest::{self, Circumstances, Line, SummaryRow};
 use crate::experiment::results::Results;
-use crate::experiment::run::{self, Bench, Existing, Opening, Progress, RunError, RunFolder};
+use crate::experiment::run::{
+    self, Bench, Existing, Identity, Opening, Progress, RunError, RunFolder,
+};
 use crate::experiment::{Experiment, SourceSpec, budget, read};
 use crate::memory;
 use crate::report::paper::{self, Material};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::fmt::Write as _;
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use std::fmt::{self, Write as _};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Run an experiment: tables, figures and a report
 ///
@@ -55,7 +57,7 @@ pub struct Run {
     #[arg(long, conflicts_with = "replicates")]
     quick: bool,
 
-    /// Go on with an interrupted run (this is what happens without it, too)
+    /// Go on with an interrupted run; this is what happens without it, too, but then a run that another build of lab began is begun anew
     #[arg(long, conflicts_with = "force")]
     resume: bool,
 
@@ -71,16 +73,17 @@ pub struct Run {
 impl Run {
     pub fn run(&self, notes: Notes) -> Result<(), Stop> {
         let experiment = self.resolve()?;
+        let identity = Identity::of(&experiment, self.quick);
         let place = self
             .out
             .clone()
-            .unwrap_or_else(|| RunFolder::default_place(&experiment));
-        let existing = if self.force {
-            Existing::Replace
-        } else {
-            Existing::Continue
+            .unwrap_or_else(|| RunFolder::default_place(&experiment.name, &identity));
+        let existing = match (self.force, self.resume) {
+            (true, _) => Existing::Replace,
+            (false, true) => Existing::Resume,
+            (false, false) => Existing::Continue,
         };
-        let lines = match RunFolder::open(&place, &experiment, existing).map_err(stop)? {
+        let lines = match RunFolder::open(&place, &identity, existing).map_err(stop)? {
             Opening::Finished(path) => {
                 notes.say(&format!(
                     "{} was finished before; --force computes it anew",
@@ -141,6 +144,9 @@ impl Run {
         folder: RunFolder,
         notes: Notes,
     ) -> Result<Vec<Line>, Stop> {
+        if let Some(remark) = folder.remark() {
+            notes.say(remark);
+        }
         let start = Instant::now();
         let bench = Bench::new(experiment).map_err(stop)?;
         let bar = Bar::new(notes);
@@ -244,8 +250,15 @@ impl Bar {
         if notes.quiet || !std::io::stderr().is_terminal() {
             return Self(ProgressBar::hidden());
         }
-        let style =
-            ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone, {eta} to go");
+        // not a word about the time that is left before anything is known of it
+        let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone{left}")
+            .map(|style| {
+                style.with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
+                    if state.eta() > Duration::ZERO && state.fraction() < 1.0 {
+                        let _ = write!(out, ", {:#} to go", HumanDuration(state.eta()));
+                    }
+                })
+            });
         Self(style.map_or_else(
             |_| ProgressBar::no_length(),
             |style| ProgressBar::no_length().with_style(style),

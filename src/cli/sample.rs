@@ -4,7 +4,8 @@ use super::argument;
 use super::output::Output;
 use super::stop::Stop;
 use crate::density::{self, Truth};
-use crate::parameter::nearest;
+use crate::experiment::read;
+use crate::parameter::{Absent, nearest};
 use crate::random::stream;
 use clap::Args;
 use npyz::WriterBuilder;
@@ -25,10 +26,11 @@ const DIGITS: u64 = 20;
 Examples:
   lab sample --density bimodal --n 200
   lab sample --density claw --n 1e7 --seed 7 -o claw.npy
+  lab sample --density 'beta = { a = 2, b = 3 }' --n 200
   lab list densities                              the names")]
 pub struct Sample {
-    /// A density by name
-    #[arg(long, value_name = "NAME")]
+    /// A density by name, or with its parameters as in an experiment file
+    #[arg(long, value_name = "DENSITY")]
     density: String,
 
     /// How many points
@@ -111,13 +113,28 @@ impl Sample {
     }
 }
 
-/// The density of that name, or what could have been meant.
-pub fn known(name: &str) -> Result<Truth, Stop> {
+/// The density of that name, or written as `KIND = { parameters }` with or without braces around it; or what could have been meant.
+pub fn known(text: &str) -> Result<Truth, Stop> {
+    if text.contains(['=', '{']) {
+        return read::density(text, "--density")
+            .map(Truth::Line)
+            .map_err(|problems| Stop::problems(&problems));
+    }
+    let name = text;
     if let Some(density) = density::truth(name) {
         return Ok(density);
     }
-    let what = if density::entry(name).is_some() {
-        format!("the density \"{name}\" needs parameters, which only an experiment file can give")
+    let what = if let Some(entry) = density::entry(name) {
+        let needed: Vec<String> = entry
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.absent == Absent::Required)
+            .map(|parameter| format!("{} = ..", parameter.name))
+            .collect();
+        format!(
+            "the density \"{name}\" needs parameters: --density '{name} = {{ {} }}'",
+            needed.join(", ")
+        )
     } else {
         let guess = nearest(name, density::names())
             .map(|other| format!("; did you mean \"{other}\"?"))

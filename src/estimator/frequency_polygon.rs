@@ -1,15 +1,15 @@
 //! The frequency polygon: straight lines between the tops of a histogram's bars.
 
-use super::bins::Bins;
-use super::width::{self, Rule, Width};
-use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::width::{Binned, Rule, Width};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
 use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
-use crate::theory::{NoAsymptotics, polygon_moments};
-use std::sync::Arc;
+use crate::theory::polygon_moments;
 
 /// Linear interpolation between the values of a histogram at the centres of its bins, empty bins included.
 ///
@@ -23,27 +23,26 @@ pub struct FrequencyPolygon {
 }
 
 struct Fitted {
-    bins: Bins,
-    width: f64,
+    binned: Binned,
     origin: f64,
-    domain: Domain<1>,
 }
 
 impl Field<1> for Fitted {
     fn domain(&self) -> &Domain<1> {
-        &self.domain
+        &self.binned.domain
     }
 
     fn at(&self, [x]: Point<1>) -> f64 {
         // how many widths x lies beyond the centre of bin 0
-        let place = (x - self.origin) / self.width - 0.5;
+        let Binned { bins, width, .. } = &self.binned;
+        let place = (x - self.origin) / width - 0.5;
         if place.is_infinite() {
             return 0.0;
         }
         let left = place.floor() + 0.0;
         let share = place - left;
-        let (f0, f1) = (self.bins.mass(left), self.bins.mass(left + 1.0));
-        ((1.0 - share) * f0 + share * f1) / self.width
+        let (f0, f1) = (bins.mass(left), bins.mass(left + 1.0));
+        ((1.0 - share) * f0 + share * f1) / width
     }
 }
 
@@ -53,22 +52,9 @@ impl Estimator<1> for FrequencyPolygon {
     }
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
-        let (width, warnings) = self.width.of(sample)?;
-        width::binned(
-            sample,
-            warnings,
-            width,
-            width,
-            self.origin,
-            |bins, domain| {
-                Arc::new(Fitted {
-                    bins,
-                    width,
-                    origin: self.origin,
-                    domain,
-                })
-            },
-        )
+        let origin = self.origin;
+        self.width
+            .fit(sample, 1.0, origin, |binned| Fitted { binned, origin })
     }
 
     fn expectation(
@@ -80,6 +66,11 @@ impl Estimator<1> for FrequencyPolygon {
         let width = self.width.number()?;
         let at = |&[x]: &Point<1>| polygon_moments(truth, width, self.origin, draws as f64, x);
         Some(places.iter().map(at).collect())
+    }
+
+    fn family(&self) -> Option<Family> {
+        let origin = self.origin;
+        Some(Family::FrequencyPolygon { origin })
     }
 }
 
@@ -93,7 +84,7 @@ impl Described for FrequencyPolygon {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::required(
             "width",
-            Kind::PositiveOr(&["normal-reference", "amise"]),
+            Kind::PositiveOr(&["normal-reference", "oracle", "amise"]),
             "the width of a bin, in the unit of the data",
         )
         .length()
@@ -111,18 +102,11 @@ impl Described for FrequencyPolygon {
 impl Build<1> for FrequencyPolygon {
     fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let rules: &[(_, Rule)] = &[("normal-reference", selector::frequency_polygon)];
-        let width = Width::given(values, context, rules, |_, truth, draws| {
-            // 2 (15 / (49 R(f″) n))^(1/5) [Scott 1992, eq. 4.10]
-            let curvature = truth.roughness(2);
-            if curvature.is_finite() {
-                Ok(2.0 * (15.0 / (49.0 * curvature * draws)).powf(0.2))
-            } else {
-                Err(NoAsymptotics::Curvature)
-            }
-        })?;
+        let origin = values.number("origin").unwrap_or(0.0);
+        let family = Family::FrequencyPolygon { origin };
         Ok(Self {
-            width,
-            origin: values.number("origin").unwrap_or(0.0),
+            width: Width::given(values, context, rules, family)?,
+            origin,
         })
     }
 }

@@ -1,15 +1,15 @@
 //! The histogram: the oldest estimator, and the one whose picture depends on where its bins begin.
 
-use super::bins::Bins;
-use super::width::{self, Rule, Width};
-use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::width::{Binned, Rule, Width};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
 use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
-use crate::theory::{HistogramError, histogram_moments};
-use std::sync::Arc;
+use crate::theory::histogram_moments;
 
 /// f̂(x) = (mass in the bin of x) / width, on the bins [origin + k·width, origin + (k + 1)·width). [Silverman 1986, section 2.2]
 ///
@@ -22,19 +22,16 @@ pub struct Histogram {
     origin: f64,
 }
 
-struct Fitted {
-    bins: Bins,
-    width: f64,
-    domain: Domain<1>,
-}
+struct Fitted(Binned);
 
 impl Field<1> for Fitted {
     fn domain(&self) -> &Domain<1> {
-        &self.domain
+        &self.0.domain
     }
 
     fn at(&self, [x]: Point<1>) -> f64 {
-        self.bins.mass(self.bins.number(x)) / self.width
+        let Binned { bins, width, .. } = &self.0;
+        bins.mass(bins.number(x)) / width
     }
 }
 
@@ -47,21 +44,7 @@ impl Estimator<1> for Histogram {
     }
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
-        let (width, warnings) = self.width.of(sample)?;
-        width::binned(
-            sample,
-            warnings,
-            width,
-            width,
-            self.origin,
-            |bins, domain| {
-                Arc::new(Fitted {
-                    bins,
-                    width,
-                    domain,
-                })
-            },
-        )
+        self.width.fit(sample, 1.0, self.origin, Fitted)
     }
 
     fn expectation(
@@ -74,6 +57,14 @@ impl Estimator<1> for Histogram {
         let at = |&[x]: &Point<1>| histogram_moments(truth, width, self.origin, draws as f64, x);
         Some(places.iter().map(at).collect())
     }
+
+    fn family(&self) -> Option<Family> {
+        Some(family(self.origin))
+    }
+}
+
+fn family(origin: f64) -> Family {
+    Family::ShiftedHistogram { shifts: 1, origin }
 }
 
 impl Described for Histogram {
@@ -107,13 +98,7 @@ impl Build<1> for Histogram {
             ("scott", selector::scott),
             ("freedman-diaconis", selector::freedman_diaconis),
         ];
-        let width = Width::given(values, context, rules, |word, truth, draws| {
-            let error = HistogramError::new(truth, origin);
-            match word {
-                "oracle" => Ok(error.optimum(draws).at),
-                _ => Ok(error.asymptotic(draws)?.best()),
-            }
-        })?;
+        let width = Width::given(values, context, rules, family(origin))?;
         Ok(Self { width, origin })
     }
 }

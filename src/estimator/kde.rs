@@ -1,8 +1,10 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
 use super::width::best;
-use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
-use crate::boundary::{self, Boundary, Ignore};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
+use crate::boundary::{Boundary, Ignore};
 use crate::density::Density;
 use crate::engine::{EXACT, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape};
@@ -10,7 +12,7 @@ use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
-use crate::theory::{KernelError, kernel_moments};
+use crate::theory::kernel_moments;
 use std::sync::Arc;
 
 /// Where the bandwidth comes from.
@@ -84,7 +86,7 @@ impl Estimator<1> for Kde {
                     planned.expect("only known engines are built in"),
                 ))
             };
-            Ok(self.boundary.correct(sum, &compute)?.into())
+            Ok(self.boundary.correct(sum, &compute).into())
         };
         let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
             (0..sample.channels())
@@ -110,6 +112,10 @@ impl Estimator<1> for Kde {
         };
         let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
         Some(places.iter().map(at).collect())
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Kernel(self.shape))
     }
 }
 
@@ -154,9 +160,9 @@ impl Described for Kde {
         ),
         Parameter::optional(
             "boundary",
-            Kind::Choice(&boundary::NAMES),
+            Kind::Choice(&["ignore"]),
             Absent::Word("ignore"),
-            "what to do about the mass that kernels lay beyond the walls of the domain",
+            "what to do at walls",
         ),
     ];
 }
@@ -187,22 +193,13 @@ impl Kde {
                 context,
                 "bandwidth",
                 word.unwrap_or_default(),
-                |word, truth, draws| {
-                    let error = KernelError::new(truth, shape);
-                    match word {
-                        "oracle" => Ok(error.optimum(draws).at),
-                        _ => Ok(error.asymptotic(draws)?.best()),
-                    }
-                },
+                Family::Kernel(shape),
             )?),
         };
         Ok(Self {
             shape,
             width,
-            boundary: values
-                .word("boundary")
-                .and_then(boundary::named)
-                .unwrap_or(Box::new(Ignore)),
+            boundary: Box::new(Ignore),
             engine: values
                 .word("engine")
                 .and_then(|word| ENGINES[1..].iter().find(|name| **name == word).copied()),

@@ -14,7 +14,7 @@ mod shifted_histogram;
 mod width;
 
 pub use crate::parameter::BuildError;
-pub use crate::theory::Moments;
+pub use crate::theory::{Family, Moments};
 pub use frequency_polygon::FrequencyPolygon;
 pub use histogram::Histogram;
 pub use kde::Kde;
@@ -22,7 +22,6 @@ pub use naive::Naive;
 pub use normal::Normal;
 pub use shifted_histogram::ShiftedHistogram;
 
-use crate::boundary::BoundaryError;
 use crate::density::Density;
 use crate::kernel::{Bandwidth, WidthError};
 use crate::parameter::{Parameter, Values};
@@ -67,9 +66,6 @@ pub enum FitError {
     /// The bandwidth is not legal.
     #[error(transparent)]
     Width(#[from] WidthError),
-    /// The walls cannot be treated as asked.
-    #[error(transparent)]
-    Boundary(#[from] BoundaryError),
     /// The engine that was asked for cannot do it.
     #[error("{0}")]
     Engine(String),
@@ -154,6 +150,12 @@ pub trait Estimator<const D: usize>: Send + Sync {
         places: &[Point<D>],
     ) -> Option<Vec<Moments>> {
         let _ = (truth, draws, places);
+        None
+    }
+
+    /// All that it is but for its bandwidth or width, where theory knows the exact error of each member and so the best one; whether
+    /// the width is a number or chosen from the data does not matter. Only on a line.
+    fn family(&self) -> Option<Family> {
         None
     }
 }

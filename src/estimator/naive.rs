@@ -1,7 +1,8 @@
 //! The naive estimator: the share of the data within a window around each place.
 
 use super::{
-    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Kde, Laws, Moments,
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Kde, Laws,
+    Moments,
 };
 use crate::density::Density;
 use crate::kernel::Shape;
@@ -31,6 +32,10 @@ impl Estimator<1> for Naive {
         places: &[Point<1>],
     ) -> Option<Vec<Moments>> {
         self.0.expectation(truth, draws, places)
+    }
+
+    fn family(&self) -> Option<Family> {
+        self.0.family()
     }
 }
 

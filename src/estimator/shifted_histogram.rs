@@ -1,16 +1,15 @@
 //! The averaged shifted histogram: a histogram without the whim of its origin.
 
-use super::bins::Bins;
-use super::width::{self, Rule, Width};
-use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::width::{Binned, Rule, Width};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
 use crate::density::Density;
-use crate::kernel::Shape;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector;
 use crate::space::{Domain, Field, Point};
-use crate::theory::{KernelError, shifted_histogram_moments};
-use std::sync::Arc;
+use crate::theory::shifted_histogram_moments;
 
 /// The mean of m histograms whose origins are width/m apart.
 ///
@@ -25,24 +24,22 @@ pub struct ShiftedHistogram {
 }
 
 struct Fitted {
-    bins: Bins,
-    width: f64,
+    narrow: Binned,
     shifts: f64,
-    domain: Domain<1>,
 }
 
 impl Field<1> for Fitted {
     fn domain(&self) -> &Domain<1> {
-        &self.domain
+        &self.narrow.domain
     }
 
     fn at(&self, [x]: Point<1>) -> f64 {
-        let total: f64 = self
-            .bins
-            .around(self.bins.number(x), self.shifts - 1.0)
+        let Binned { bins, width, .. } = &self.narrow;
+        let total: f64 = bins
+            .around(bins.number(x), self.shifts - 1.0)
             .map(|(i, mass)| (self.shifts - i.abs()) * mass)
             .sum();
-        total / self.shifts / self.width
+        total / self.shifts / width
     }
 }
 
@@ -55,24 +52,12 @@ impl Estimator<1> for ShiftedHistogram {
     }
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
-        let (width, warnings) = self.width.of(sample)?;
         let shifts = f64::from(self.shifts);
-        let narrow = width / shifts;
-        width::binned(
-            sample,
-            warnings,
-            width,
-            narrow,
-            self.origin,
-            |bins, domain| {
-                Arc::new(Fitted {
-                    bins,
-                    width,
-                    shifts,
-                    domain,
-                })
-            },
-        )
+        self.width
+            .fit(sample, shifts, self.origin, |narrow| Fitted {
+                narrow,
+                shifts,
+            })
     }
 
     fn expectation(
@@ -87,6 +72,11 @@ impl Estimator<1> for ShiftedHistogram {
         };
         Some(places.iter().map(at).collect())
     }
+
+    fn family(&self) -> Option<Family> {
+        let &Self { shifts, origin, .. } = self;
+        Some(Family::ShiftedHistogram { shifts, origin })
+    }
 }
 
 impl Described for ShiftedHistogram {
@@ -98,7 +88,7 @@ impl Described for ShiftedHistogram {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::required(
             "width",
-            Kind::PositiveOr(&["normal-reference", "amise"]),
+            Kind::PositiveOr(&["normal-reference", "oracle", "amise"]),
             "the width of a bin of each histogram, in the unit of the data: the bandwidth of the triangular kernel that the mean tends to",
         )
         .length()
@@ -125,15 +115,13 @@ impl Described for ShiftedHistogram {
 impl Build<1> for ShiftedHistogram {
     fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
         let rules: &[(_, Rule)] = &[("normal-reference", selector::shifted_histogram)];
-        let width = Width::given(values, context, rules, |_, truth, draws| {
-            // that of the kernel which the mean tends to
-            let error = KernelError::new(truth, Shape::Triangular);
-            Ok(error.asymptotic(draws)?.best())
-        })?;
+        let shifts = values.count("shifts").map_or(16, |shifts| shifts as u32);
+        let origin = values.number("origin").unwrap_or(0.0);
+        let family = Family::ShiftedHistogram { shifts, origin };
         Ok(Self {
-            width,
-            shifts: values.count("shifts").map_or(16, |shifts| shifts as u32),
-            origin: values.number("origin").unwrap_or(0.0),
+            width: Width::given(values, context, rules, family)?,
+            shifts,
+            origin,
         })
     }
 }

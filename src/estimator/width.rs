@@ -2,16 +2,23 @@
 
 use super::bins::Bins;
 use super::{BuildError, Context, Estimate, FitError, Laws};
-use crate::density::Univariate;
 use crate::parameter::Values;
 use crate::sample::Sample;
 use crate::selector::{BinWidth, SelectError};
 use crate::space::{Domain, Field, Warning};
-use crate::theory::NoAsymptotics;
+use crate::theory::Family;
 use std::sync::Arc;
 
 /// A rule that chooses a width from the data.
 pub(super) type Rule = fn(&Sample<1>) -> Result<BinWidth, SelectError>;
+
+/// A sample in bins.
+pub(super) struct Binned {
+    pub(super) bins: Bins,
+    /// The width that the user knows; that of the bins may be a part of it.
+    pub(super) width: f64,
+    pub(super) domain: Domain<1>,
+}
 
 /// A number, or a rule that finds one for each sample.
 pub(super) enum Width {
@@ -20,12 +27,12 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// What the file says under `width`: a number, one of the `rules`, or a word that `optimum` turns into a number with the known truth.
+    /// What the file says under `width`: a number, one of the `rules`, or the best of `family` for the known truth.
     pub(super) fn given(
         values: &Values,
         context: &Context<1>,
         rules: &[(&str, Rule)],
-        optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
+        family: Family,
     ) -> Result<Self, BuildError> {
         if let Some(width) = values.number("width") {
             return Ok(Self::Number(width));
@@ -34,7 +41,7 @@ impl Width {
         if let Some((_, rule)) = rules.iter().find(|(name, _)| *name == word) {
             return Ok(Self::Rule(*rule));
         }
-        best(context, "width", word, optimum).map(Self::Number)
+        best(context, "width", word, family).map(Self::Number)
     }
 
     /// The width, where it is the same for all samples.
@@ -46,7 +53,7 @@ impl Width {
     }
 
     /// The width for `sample`.
-    pub(super) fn of(&self, sample: &Sample<1>) -> Result<(f64, Vec<Warning>), FitError> {
+    fn of(&self, sample: &Sample<1>) -> Result<(f64, Vec<Warning>), FitError> {
         match self {
             Self::Number(width) => Ok((*width, Vec::new())),
             Self::Rule(rule) => {
@@ -54,6 +61,34 @@ impl Width {
                 Ok((chosen.width, chosen.warnings))
             }
         }
+    }
+
+    /// The whole of fitting a binned estimator: chooses the width, counts the sample and each of its channels alike in bins of 1/`divisions` of it from
+    /// `origin`, and makes with `field` what is told of them.
+    pub(super) fn fit<F: Field<1> + 'static>(
+        &self,
+        sample: &Sample<1>,
+        divisions: f64,
+        origin: f64,
+        field: impl Fn(Binned) -> F,
+    ) -> Result<Estimate<1>, FitError> {
+        let (width, mut warnings) = self.of(sample)?;
+        let binned = |sample: &Sample<1>| -> Result<Binned, FitError> {
+            Ok(Binned {
+                bins: Bins::of(sample, origin, width / divisions)?,
+                width,
+                domain: sample.domain().clone(),
+            })
+        };
+        let total = binned(sample)?;
+        warnings.extend(total.bins.warnings(sample));
+        let channels = (0..sample.channels())
+            .map(|c| Ok(Arc::new(field(binned(&sample.channel(c))?)) as Arc<dyn Field<1>>))
+            .collect::<Result<_, FitError>>()?;
+        let mut estimate = Estimate::new(Arc::new(field(total))).with_channels(channels);
+        estimate.smoothing = Some(width);
+        estimate.warnings = warnings;
+        Ok(estimate)
     }
 
     /// What holds of every average of bins of this width, continuous ones.
@@ -77,7 +112,7 @@ pub(super) fn best(
     context: &Context<1>,
     parameter: &'static str,
     word: &str,
-    optimum: impl Fn(&str, &dyn Univariate, f64) -> Result<f64, NoAsymptotics>,
+    family: Family,
 ) -> Result<f64, BuildError> {
     let error = |what| BuildError { parameter, what };
     let Some(truth) = &context.truth else {
@@ -90,40 +125,18 @@ pub(super) fn best(
             "\"{word}\": no theory of the best {parameter} is known for this density; give a number"
         )));
     };
-    let best = optimum(word, truth, context.draws as f64).map_err(|why| {
-        error(format!(
-            "\"{word}\": {why}; give a number, or \"oracle\" where it is allowed"
-        ))
-    })?;
+    let draws = context.draws as f64;
+    let best = match word {
+        "oracle" => family.optimum(truth, draws).at,
+        _ => family
+            .asymptotic(truth, draws)
+            .map_err(|why| error(format!("\"{word}\": {why}; give a number or \"oracle\"")))?
+            .best(),
+    };
     if best > 0.0 && best.is_finite() {
         return Ok(best);
     }
     Err(error(format!(
         "\"{word}\": the error keeps falling up to a {parameter} of {best}, so that none is best; give a number"
     )))
-}
-
-/// Bins the sample and each of its channels alike and makes the fields over them. `smoothing` is the width that the user knows, `width` that of the bins.
-pub(super) fn binned(
-    sample: &Sample<1>,
-    mut warnings: Vec<Warning>,
-    smoothing: f64,
-    width: f64,
-    origin: f64,
-    field: impl Fn(Bins, Domain<1>) -> Arc<dyn Field<1>>,
-) -> Result<Estimate<1>, FitError> {
-    let total = Bins::of(sample, origin, width)?;
-    warnings.extend(total.warnings(sample));
-    let channels = (0..sample.channels())
-        .map(|c| {
-            Ok(field(
-                Bins::of(&sample.channel(c), origin, width)?,
-                sample.domain().clone(),
-            ))
-        })
-        .collect::<Result<_, FitError>>()?;
-    let mut estimate = Estimate::new(field(total, sample.domain().clone())).with_channels(channels);
-    estimate.smoothing = Some(smoothing);
-    estimate.warnings = warnings;
-    Ok(estimate)
 }

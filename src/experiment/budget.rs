@@ -1,7 +1,7 @@
 //! What an experiment will cost, known before anything is drawn.
 
 use super::catalogue::Builds;
-use super::{Experiment, SourceSpec, catalogue};
+use super::{Experiment, GridSpec, SourceSpec, catalogue};
 use crate::density;
 use crate::estimator::Context;
 use crate::memory::Bytes;
@@ -78,7 +78,7 @@ pub fn budget(experiment: &Experiment) -> Budget {
     };
     let grid = experiment
         .grid
-        .map_or(super::read::DEFAULT_CELLS as f64, |grid| grid.cells as f64);
+        .map_or(GridSpec::CELLS as f64, |grid| grid.cells as f64);
     let estimators = experiment.estimators.len() as f64;
     let sources = experiment.sources.len() as f64;
     let replicates = experiment.replicates as f64;
@@ -120,8 +120,8 @@ pub fn seconds(experiment: &Experiment) -> Option<f64> {
     let sample = Sample::equal(points, truth.domain().clone()).ok()?;
     let cells = experiment
         .grid
-        .map_or(super::read::DEFAULT_CELLS, |grid| grid.cells)
-        .min(super::read::DEFAULT_CELLS);
+        .map_or(GridSpec::CELLS, |grid| grid.cells)
+        .min(GridSpec::CELLS);
     let (low, high) = truth.bulk(1e-4);
     let grid = Grid::new(low, high, [cells]).ok()?;
     let step = experiment.estimators.len().div_ceil(TRIED).max(1);

@@ -65,6 +65,14 @@ impl Measure {
         }
     }
 
+    /// Whether theory gives it, not the replicates.
+    pub fn is_exact(self) -> bool {
+        matches!(
+            self,
+            Self::ExactMise | Self::ExactBias2 | Self::ExactVariance
+        )
+    }
+
     /// Whether the measure needs a known truth.
     pub fn needs_truth(self) -> bool {
         !matches!(self, Self::Modes | Self::Smoothing | Self::Energy)
@@ -134,14 +142,17 @@ pub enum Statement {
         /// Simultaneous confidence; 0.99 if not given.
         confidence: f64,
     },
-    /// `modes = { of = A, median = M }`: the median number of modes over the replicates is M.
+    /// `modes = { of = A, median = M, [confidence = C] }`: the median number of modes is M, and no other number lies inside its confidence interval.
     MedianModes {
         /// The estimator.
         of: String,
         /// The expected median.
-        median: f64,
+        median: u64,
+        /// Confidence of the interval; 0.99 if not given.
+        confidence: f64,
     },
-    /// `modes = { of = A, count = K, share = P, margin = E }`: the share of replicates with K modes lies within E of P.
+    /// `modes = { of = A, count = K, share = P, margin = E, [confidence = C] }`: the whole confidence interval for the share of samples with K modes lies
+    /// within E of P.
     ShareOfModes {
         /// The estimator.
         of: String,
@@ -151,6 +162,8 @@ pub enum Statement {
         share: f64,
         /// The margin, absolute.
         margin: f64,
+        /// Confidence of the interval; 0.99 if not given.
+        confidence: f64,
     },
     /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
     BestIsNear {
@@ -215,7 +228,7 @@ impl fmt::Display for Statement {
                 let name = measure.name();
                 write!(f, "simulated {name} of {of} agrees with the exact value")
             }
-            Self::MedianModes { of, median } => {
+            Self::MedianModes { of, median, .. } => {
                 write!(f, "the median number of modes of {of} is {median}")
             }
             Self::ShareOfModes {
@@ -223,9 +236,10 @@ impl fmt::Display for Statement {
                 count,
                 share,
                 margin,
+                ..
             } => write!(
                 f,
-                "{of} has {count} modes in {share} ± {margin} of the replicates"
+                "{of} has {count} modes in {share} ± {margin} of the samples"
             ),
             Self::BestIsNear { of, within } => write!(
                 f,
@@ -250,10 +264,7 @@ impl Statement {
     pub fn is_theory(&self) -> bool {
         match self {
             Self::Oracle { .. } => true,
-            Self::Below { measure, .. } | Self::Equals { measure, .. } => matches!(
-                measure,
-                Measure::ExactMise | Measure::ExactBias2 | Measure::ExactVariance
-            ),
+            Self::Below { measure, .. } | Self::Equals { measure, .. } => measure.is_exact(),
             _ => false,
         }
     }

@@ -1,6 +1,7 @@
 //! What a run was, completely: enough to replay it and to know what to trust it for.
 
 use super::judge::Verdict;
+use super::program::{self, REVISION, VERSION};
 use super::results::Results;
 use super::run::fingerprint;
 use super::{Experiment, Measure};
@@ -9,15 +10,6 @@ use crate::storage::{StorageError, write_atomically};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// The version of the laboratory.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// The revision of the sources that the laboratory was built from, `unknown` outside a repository.
-pub const REVISION: &str = git_version::git_version!(
-    args = ["--always", "--dirty=-modified"],
-    fallback = "unknown"
-);
 
 /// How a run was carried out; what is not part of the experiment and does not change its numbers.
 #[derive(Clone, Debug)]
@@ -37,6 +29,7 @@ struct Manifest<'a> {
     program: &'static str,
     version: &'static str,
     revision: &'static str,
+    build: &'static str,
     fingerprint: String,
     command: &'a str,
     quick: bool,
@@ -162,7 +155,8 @@ pub fn write(
         program: "lab",
         version: VERSION,
         revision: REVISION,
-        fingerprint: fingerprint(experiment),
+        build: program::build(),
+        fingerprint: fingerprint(experiment, circumstances.quick),
         command: &circumstances.command,
         quick: circumstances.quick,
         threads: circumstances.threads,

@@ -13,6 +13,7 @@ mod claim;
 mod figure;
 pub mod judge;
 pub mod manifest;
+pub mod program;
 pub mod read;
 pub mod results;
 pub mod run;
@@ -102,6 +103,11 @@ pub struct GridSpec {
     pub high: f64,
     /// How many cells.
     pub cells: usize,
+}
+
+impl GridSpec {
+    /// Cells of a grid that gives only its ends, or nothing.
+    pub const CELLS: usize = 512;
 }
 
 /// One estimator of an experiment.

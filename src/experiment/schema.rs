@@ -203,6 +203,9 @@ fn kind(kind: Kind) -> Value {
         Kind::Between(low, high) => {
             json!({ "type": "number", "exclusiveMinimum": low, "exclusiveMaximum": high })
         }
+        Kind::Range(least, most) => {
+            json!({ "type": "number", "minimum": least, "maximum": most })
+        }
         Kind::Count { least, most } => {
             json!({ "type": "integer", "minimum": least, "maximum": most })
         }

@@ -69,6 +69,21 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     printed
 }
 
+/// `text` with true minus signs: each hyphen that a number follows and no letter, digit or hyphen precedes.
+pub fn minus(text: &str) -> String {
+    let mut printed = String::with_capacity(text.len());
+    let mut before = ' ';
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        let apart = !(before.is_alphanumeric() || before == '-' || before == '\u{2212}');
+        let number = characters.peek().is_some_and(char::is_ascii_digit);
+        let sign = character == '-' && apart && number;
+        printed.push(if sign { '\u{2212}' } else { character });
+        before = character;
+    }
+    printed
+}
+
 /// `value` to `digits` significant digits: plain between 0.001 and 99 999, else as `4.57 × 10⁻⁵`.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -312,6 +327,23 @@ mod tests {
             serde_json::from_str::<serde_json::Value>(&escaped).expect("still JSON"),
             value
         );
+    }
+
+    #[test]
+    fn hyphens_before_numbers_become_minus_signs() {
+        assert_eq!(minus("from -5 to -0.25"), "from \u{2212}5 to \u{2212}0.25");
+        assert_eq!(minus("(-1, -2)"), "(\u{2212}1, \u{2212}2)");
+        for same in [
+            "bias-compensated",
+            "1e-5",
+            "2020-01-02",
+            "a - b",
+            "mw-10",
+            "--5",
+            "-",
+        ] {
+            assert_eq!(minus(same), same);
+        }
     }
 
     #[test]

@@ -12,6 +12,29 @@ pub struct HistogramError<'a> {
     kind: Kind,
 }
 
+/// The most shifts that are searched over all widths.
+const SEARCHED: u32 = 32;
+
+/// Σ of each `m` neighbours, the row taken to be longer by m - 1 zeros on either side: m - 1 more sums than numbers.
+///
+/// By differences of a compensated prefix sum, so that nothing drifts: good to 1e-16 of the total.
+fn sliding(row: &[f64], m: usize) -> Vec<f64> {
+    if m == 1 {
+        return row.to_vec();
+    }
+    let mut sum = Sum::default();
+    let before: Vec<f64> = std::iter::once(0.0)
+        .chain(row.iter().map(|&x| {
+            sum.add(x);
+            sum.value()
+        }))
+        .collect();
+    let upto = |k: usize| before[k.min(row.len())];
+    (0..row.len() + m - 1)
+        .map(|k| upto(k + 1) - upto((k + 1).saturating_sub(m)))
+        .collect()
+}
+
 #[derive(Clone, Copy)]
 enum Kind {
     /// Flat on narrow bins: the mean of so many histograms; of one, the histogram itself.
@@ -77,21 +100,19 @@ impl<'a> HistogramError<'a> {
 
     /// With δ = width/m, cᵢ = (1 - |i|/m)/width and mₖ = Σ cᵢ pₖ₊ᵢ the mean on the narrow bin k: bias² = R(f) - 2 Σ pₖ mₖ + δ Σ mₖ² and
     /// variance = (δ Σ cᵢ² - δ Σ mₖ²)/n.
+    ///
+    /// mₖ is the mean of the m histogram bars over bin k, and bars are m narrow bins: two sliding sums, so that the cost does not grow with m beyond
+    /// the number of bins.
     fn flat(&self, width: f64, m: usize, draws: f64) -> Integrated {
         let narrow = width / m as f64;
         let (_, p) = self.probabilities(narrow);
         let (mut squares, mut overlap) = (Sum::default(), Sum::default());
-        for k in 0..p.len() + 2 * (m - 1) {
-            // bin k of the row that is longer by m - 1 on either side
-            let here = k as isize - (m as isize - 1);
-            let from = k.saturating_sub(2 * (m - 1));
-            let to = p.len().min(k + 1);
-            let mean: f64 = (from..to)
-                .map(|j| (1.0 - (j as isize - here).unsigned_abs() as f64 / m as f64) * p[j])
-                .sum::<f64>()
-                / width;
+        // the bars of all m histograms, then all that lie over each narrow bin
+        let bars = sliding(&p, m);
+        for (k, total) in sliding(&bars, m).into_iter().enumerate() {
+            let mean = total / m as f64 / width;
             squares.add(mean * mean);
-            if let Some(p) = usize::try_from(here).ok().and_then(|here| p.get(here)) {
+            if let Some(p) = k.checked_sub(m - 1).and_then(|here| p.get(here)) {
                 overlap.add(p * mean);
             }
         }
@@ -168,7 +189,19 @@ impl<'a> HistogramError<'a> {
             // at a jump the best width falls as n^(-1/2)
             Err(_) => finest * 0.1_f64.min(0.3 / draws.sqrt()),
         };
-        optimum::search(|width| self.at(width, draws), low, 20.0 * deviation)
+        let high = 20.0 * deviation;
+        let error = |width| self.at(width, draws);
+        match self.kind {
+            // the error of many shifts is that of fewer to 1/m²: these are searched, at less cost, and their lows refined
+            Kind::Shifted(shifts) if shifts > SEARCHED => {
+                let coarse = Self::shifted(self.truth, self.origin, SEARCHED);
+                optimum::refine(
+                    &optimum::search(|width| coarse.at(width, draws), low, high),
+                    error,
+                )
+            }
+            _ => optimum::search(error, low, high),
+        }
     }
 
     /// The optimum and the asymptotics for samples of `draws` points.

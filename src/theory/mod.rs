@@ -7,7 +7,8 @@
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
 //! | the best bandwidth or width | [`KernelError::optimum`], [`HistogramError::optimum`] |
-//! | the last two together | [`KernelError::oracle`], [`HistogramError::oracle`] |
+//! | the same of all that an estimator is but for its width | [`Family`] |
+//! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
 //!
 //! # What is exact
 //! Nothing here is an expansion but what is called asymptotic. Integrals are sums over Gauss-Legendre panels cut at every place where the integrand
@@ -24,6 +25,7 @@
 mod asymptotic;
 mod autocorrelation;
 mod binned;
+mod family;
 mod histogram;
 mod integrated;
 mod kernel;
@@ -32,6 +34,7 @@ mod pointwise;
 
 pub use asymptotic::{Asymptotic, NoAsymptotics};
 pub use binned::{histogram_moments, polygon_moments, shifted_histogram_moments};
+pub use family::Family;
 pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;

@@ -38,3 +38,19 @@ pub(super) fn search(error: impl Fn(f64) -> Integrated, low: f64, high: f64) -> 
         others: minima,
     }
 }
+
+/// The minima of `error` beside those of a function that is almost the same.
+pub(super) fn refine(near: &Optimum, error: impl Fn(f64) -> Integrated) -> Optimum {
+    let mise = |h: f64| error(h).mise();
+    let places = std::iter::once(near.at).chain(near.others.iter().map(|other| other.at));
+    let mut minima: Vec<Minimum> = places
+        .map(|at| minimise(mise, 0.98 * at, 1.02 * at, 1e-8))
+        .collect();
+    minima.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let best = minima.remove(0);
+    Optimum {
+        at: best.at,
+        error: error(best.at),
+        others: minima,
+    }
+}

@@ -1,14 +1,13 @@
 //! Claims that compare errors: with each other, with a value, with theory.
 
+use super::optimum::best_of_family;
 use super::short;
 use crate::accuracy::{Interval, compare, lower_bound, sidak};
 use crate::experiment::Measure;
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::run::Bench;
 use crate::experiment::table::exact_counterpart;
-use crate::kernel::Shape;
 use crate::random;
-use crate::theory;
 
 pub(super) fn below_by(
     group: &Group,
@@ -126,21 +125,11 @@ fn ratio(
     Some((ratio, ratio, ratio))
 }
 
-/// The least MISE that any bandwidth gives an estimator's kernel here, by theory.
+/// The least MISE that any bandwidth or width gives an estimator here, by theory.
 fn least_mise(bench: &Bench, group: &Group, of: &str) -> Option<f64> {
-    let spec = bench
-        .experiment()
-        .estimators
-        .iter()
-        .find(|spec| spec.name == of)?;
-    let shape = spec.values.word("shape").and_then(Shape::named)?;
-    let truth = bench.truth(group.source)?;
-    Some(
-        theory::KernelError::new(&**truth, shape)
-            .optimum(group.draws as f64)
-            .error
-            .mise(),
-    )
+    let estimators = &bench.experiment().estimators;
+    let number = estimators.iter().position(|spec| spec.name == of)?;
+    Some(best_of_family(bench, group, number)?.error.mise())
 }
 
 pub(super) fn agrees(

@@ -170,17 +170,22 @@ fn judge_one(
             of,
             confidence,
         } => agrees(group, *measure, of, sidak(*confidence, groups)),
-        Statement::MedianModes { of, median } => group
+        Statement::MedianModes {
+            of,
+            median,
+            confidence,
+        } => group
             .outcome(of)
-            .map(|outcome| median_modes(outcome, *median)),
+            .map(|outcome| median_modes(outcome, *median, *confidence)),
         Statement::ShareOfModes {
             of,
             count,
             share,
             margin,
+            confidence,
         } => group
             .outcome(of)
-            .map(|outcome| share_of_modes(outcome, *count, *share, *margin)),
+            .map(|outcome| share_of_modes(outcome, *count, *share, *margin, *confidence)),
         Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
         Statement::Oracle {
             quantity,
@@ -201,7 +206,8 @@ fn without_grounds(statement: &Statement, group: &Group) -> Option<String> {
             over.as_deref().is_some_and(|over| over != "minimum"),
         ),
         Statement::AgreesWithExact { measure, .. } => (*measure, false),
-        _ => return None,
+        Statement::MedianModes { .. } | Statement::ShareOfModes { .. } => (Measure::Modes, false),
+        Statement::BestIsNear { .. } | Statement::Oracle { .. } => return None,
     };
     let parts = matches!(measure, Measure::Bias2 | Measure::Variance);
     if parts && paired {
@@ -210,17 +216,13 @@ fn without_grounds(statement: &Statement, group: &Group) -> Option<String> {
             measure.name()
         ));
     }
-    let exact = matches!(
-        measure,
-        Measure::ExactMise | Measure::ExactBias2 | Measure::ExactVariance
-    );
     // a data file is one sample, and what it shows is what it shows
     let few = group.truth.is_some()
         && group
             .outcomes
             .iter()
             .any(|outcome| outcome.replicates.len() < 2 || (parts && outcome.blocks.len() < 3));
-    (!exact && few).then(|| "too few replicates for an interval".to_owned())
+    (!measure.is_exact() && few).then(|| "too few replicates for an interval".to_owned())
 }
 
 /// A number as a sentence gives it: four significant digits.

@@ -5,7 +5,7 @@ use crate::experiment::results::Group;
 use crate::experiment::run::Bench;
 use crate::experiment::{Experiment, Measure};
 use crate::kernel::Shape;
-use crate::theory;
+use crate::theory::{self, Optimum};
 
 pub(super) fn best_is_near(
     bench: &Bench,
@@ -16,14 +16,11 @@ pub(super) fn best_is_near(
     let experiment = bench.experiment();
     let curve = swept(experiment, group, of, Measure::Mise);
     let (simulated, _) = lowest(&curve)?;
-    let spec = experiment
+    let first = experiment
         .estimators
         .iter()
-        .find(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == of))?;
-    let shape = spec.values.word("shape").and_then(Shape::named)?;
-    let exact = theory::KernelError::new(&**bench.truth(group.source)?, shape)
-        .optimum(group.draws as f64)
-        .at;
+        .position(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == of))?;
+    let exact = best_of_family(bench, group, first)?.at;
     let apart = (simulated / exact - 1.0).abs();
     let detail = format!(
         "simulated optimum {}, exact {}: {} % apart",
@@ -32,6 +29,13 @@ pub(super) fn best_is_near(
         short(100.0 * apart)
     );
     Some((apart <= within, detail))
+}
+
+/// The best of all estimators here that differ from the one of this number in their bandwidth or width alone, by theory.
+pub(super) fn best_of_family(bench: &Bench, group: &Group, number: usize) -> Option<Optimum> {
+    let estimator = &bench.setting(group.source, group.size).estimators[number];
+    let truth = bench.truth(group.source)?;
+    Some(estimator.family()?.optimum(&**truth, group.draws as f64))
 }
 
 /// (parameter, value) of a measure along a sweep, ascending.

@@ -1,5 +1,6 @@
 //! `[[claim]]`.
 
+use super::evidence;
 use super::form::{ANY, BEST, COMMON, Form, MODES, ORACLE};
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
@@ -114,7 +115,9 @@ fn best(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<
     let demanded = setting.demand(reader, &entry.key_span(), "the claim `best`", true, true);
     let read = settings(reader, entry, BEST)?;
     let of = read.values.word("of")?;
-    let known = setting.names.sweep(reader, of, &read.place("of"));
+    let known = setting.names.sweep(reader, of, &read.place("of"))
+        && (setting.names.members(of).iter().take(1))
+            .all(|member| evidence::optimum(reader, setting, member, &read.place("of")));
     (known && demanded).then_some(Statement::BestIsNear {
         of: of.to_owned(),
         within: read.values.number("within")?,
@@ -132,6 +135,9 @@ fn oracle(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Optio
     })
 }
 
+/// What to do where there is nothing exact to claim.
+const SIMULATED: &str = "give it a width as a number, \"oracle\" or \"amise\", or claim something simulated, such as `mise`";
+
 /// `MEASURE = { .. }` in any of its forms.
 fn measured(
     reader: &mut Reader,
@@ -140,12 +146,9 @@ fn measured(
     setting: &Setting<'_>,
 ) -> Option<Statement> {
     let form = form(reader, entry, measure)?;
-    let exact = matches!(
-        measure,
-        Measure::ExactMise | Measure::ExactBias2 | Measure::ExactVariance
-    );
+    let exact = measure.is_exact();
     // A data file is one sample: what is measured on it is a plain number without an interval.
-    let replicated = !exact && setting.truth != Some(false);
+    let replicated = !exact && (setting.truth != Some(false) || form.key == "count");
     let demanded = setting.demand(
         reader,
         &entry.key_span(),
@@ -160,9 +163,11 @@ fn measured(
     let mut known = true;
     for key in ["of", "below"] {
         if let Some(name) = values.word(key) {
-            known &= setting.names.one(reader, name, &read.place(key));
+            known &= setting.names.one(reader, name, &read.place(key))
+                && (!exact || evidence::exact(reader, setting, name, &read.place(key), SIMULATED));
         }
     }
+    known &= evidence::blocks(reader, &entry.key_span(), measure, setting);
     let statement = match form.key {
         "below" => {
             let below = values.word("below")?;
@@ -171,6 +176,9 @@ fn measured(
                     read.place("below"),
                     "an estimator cannot be below itself",
                 ));
+                return None;
+            }
+            if !evidence::paired(reader, &read.place("below"), measure) {
                 return None;
             }
             Statement::Below {
@@ -201,22 +209,32 @@ fn measured(
                 }
                 all.extend(found);
             }
+            known &= evidence::all_exact(reader, setting, &all, &read.place("of"));
             Statement::AgreesWithExact {
                 measure,
                 of: all,
                 confidence,
             }
         }
-        "median" => Statement::MedianModes {
-            of,
-            median: values.number("median")?,
-        },
-        _ => Statement::ShareOfModes {
-            of,
-            count: values.count("count")? as usize,
-            share: values.number("share")?,
-            margin: values.number("margin")?,
-        },
+        "median" => {
+            known &= evidence::median(reader, &read, setting);
+            Statement::MedianModes {
+                of,
+                median: values.count("median")?,
+                confidence,
+            }
+        }
+        _ => {
+            let statement = Statement::ShareOfModes {
+                of,
+                count: values.count("count")? as usize,
+                share: values.number("share")?,
+                margin: values.number("margin")?,
+                confidence,
+            };
+            known &= evidence::share(reader, &read, setting);
+            statement
+        }
     };
     (demanded && known).then_some(statement)
 }
@@ -242,45 +260,31 @@ fn equals(
             );
             return None;
         }
-        Some("minimum") | None => {}
+        Some("minimum") => {
+            // what has no exact value has been reported
+            let known = setting.theory.get(&of);
+            if known.is_some_and(|known| known.inexact.is_some())
+                || !evidence::optimum(reader, setting, &of, &read.place("of"))
+            {
+                return None;
+            }
+        }
+        None => {}
         Some(other) => {
-            if !setting.names.one(reader, other, &read.place("over")) {
+            let place = read.place("over");
+            if !setting.names.one(reader, other, &place) {
+                return None;
+            }
+            if !evidence::paired(reader, &place, measure) {
+                return None;
+            }
+            if measure.is_exact() && !evidence::exact(reader, setting, other, &place, SIMULATED) {
                 return None;
             }
         }
     }
     let expected = values.number("equals")?;
-    let margin = match (values.number("within"), values.number("margin")) {
-        (Some(within), None) if expected != 0.0 => within * expected.abs(),
-        (Some(_), None) => {
-            reader.report(
-                Problem::at(
-                    read.place("within"),
-                    "a share of 0 is 0: nothing lies within it",
-                )
-                .help("give `margin`, in the unit of the measure"),
-            );
-            return None;
-        }
-        (None, Some(margin)) => margin,
-        (Some(_), Some(_)) => {
-            reader.report(Problem::at(
-                read.place("margin"),
-                "give `within` (a share) or `margin` (absolute), not both",
-            ));
-            return None;
-        }
-        (None, None) => {
-            reader.report(
-                Problem::at(
-                    read.place("equals"),
-                    "no two measured numbers are equal: how far off is still equal?",
-                )
-                .help("give `within` (a share) or `margin` (absolute)"),
-            );
-            return None;
-        }
-    };
+    let margin = evidence::margin(reader, read, measure, over.as_deref(), expected, setting)?;
     Some(Statement::Equals {
         measure,
         of,

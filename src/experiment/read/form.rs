@@ -1,4 +1,7 @@
 //! The forms of a claim: what each takes.
+//!
+//! A claim that nothing could contradict is none, so what decides how much it lets pass has limits: the confidence, the factors, and the margins, some of
+//! which `claim` checks because they depend on the value that is claimed.
 
 use crate::kernel::Shape;
 use crate::parameter::{Absent, Kind, Parameter};
@@ -6,10 +9,12 @@ use crate::parameter::{Absent, Kind, Parameter};
 const OF: Parameter = Parameter::required("of", Kind::Text, "the estimator");
 const CONFIDENCE: Parameter = Parameter::optional(
     "confidence",
-    Kind::Between(0.5, 1.0),
+    Kind::Range(0.9, 0.9999),
     Absent::Number(0.99),
-    "the confidence of the interval",
+    "the confidence of the interval: below 0.9 chance shows what is not there, above 0.9999 the interval lets everything agree",
 );
+/// As a share of what is expected: at one half and more, "equal" would mean "within a factor of two".
+const WITHIN: Kind = Kind::Between(0.0, 0.5);
 const MARGIN: Parameter = Parameter::optional(
     "margin",
     Kind::Positive,
@@ -32,9 +37,9 @@ pub(crate) const ANY: &[Form] = &[
             Parameter::required("below", Kind::Text, "the estimator that is worse"),
             Parameter::optional(
                 "by",
-                Kind::Positive,
+                Kind::Range(0.5, 1e9),
                 Absent::Number(1.0),
-                "at least by this factor",
+                "at least by this factor; below 1: at most worse by its reciprocal",
             ),
             CONFIDENCE,
         ],
@@ -52,7 +57,7 @@ pub(crate) const ANY: &[Form] = &[
             Parameter::required("equals", Kind::Real, "the expected value"),
             Parameter::optional(
                 "within",
-                Kind::Positive,
+                WITHIN,
                 Absent::Unset,
                 "how far off is still equal, as a share of the expected value",
             ),
@@ -83,9 +88,13 @@ pub(crate) const MODES: &[Form] = &[
             OF,
             Parameter::required(
                 "median",
-                Kind::Positive,
-                "the expected median over the replicates",
+                Kind::Count {
+                    least: 0,
+                    most: 1_000_000,
+                },
+                "the expected median: both ends of the interval for it must be this number",
             ),
+            CONFIDENCE,
         ],
     },
     Form {
@@ -105,7 +114,12 @@ pub(crate) const MODES: &[Form] = &[
                 Kind::Fraction,
                 "the expected share of the replicates",
             ),
-            Parameter::required("margin", Kind::Positive, "how far off is still equal"),
+            Parameter::required(
+                "margin",
+                Kind::Between(0.0, 0.5),
+                "how far off is still equal: the whole interval for the share must lie inside, and half of all shares outside",
+            ),
+            CONFIDENCE,
         ],
     },
 ];
@@ -114,11 +128,7 @@ pub(crate) const MODES: &[Form] = &[
 pub(crate) const BEST: &[Parameter] = &[
     Parameter::required("of", Kind::Text, "the swept estimator"),
     Parameter::required("near", Kind::Choice(&["oracle"]), "the exact optimum"),
-    Parameter::required(
-        "within",
-        Kind::Positive,
-        "how near, as a share of the optimum",
-    ),
+    Parameter::required("within", WITHIN, "how near, as a share of the optimum"),
 ];
 
 /// `oracle`.
@@ -134,7 +144,7 @@ pub(crate) const ORACLE: &[Parameter] = &[
         Absent::Word("gaussian"),
         "the kernel",
     ),
-    Parameter::required("equals", Kind::Real, "the expected value"),
+    Parameter::required("equals", Kind::Positive, "the expected value"),
     Parameter::optional(
         "digits",
         Kind::Count { least: 1, most: 12 },

@@ -8,10 +8,12 @@
 //! | `document` | text → tables, problems of the syntax |
 //! | `node`, `value` | tables and values of the expected type |
 //! | `whole` | the experiment from its parts |
+//! | `trial` | building every estimator before the run |
 //! | `source`, `estimator`, `figure`, `claim` | the parts |
 //! | `form`, `sweep` | what claims take; several values for one parameter |
-//! | `single` | one estimator outside of an experiment |
+//! | `single` | one estimator or density outside of an experiment |
 //! | `names`, `setting` | what figures and claims refer to |
+//! | `evidence` | whether a claim can be shown, and could fail |
 //! | `problem` | what is wrong and where; written for people and for scripts |
 //!
 //! Nothing in a file is executed, and the only other files opened are the data files that it names.
@@ -19,6 +21,7 @@
 pub(crate) mod claim;
 mod document;
 pub(crate) mod estimator;
+mod evidence;
 pub(crate) mod figure;
 pub(crate) mod form;
 mod names;
@@ -28,15 +31,18 @@ mod setting;
 mod single;
 pub(crate) mod source;
 pub(crate) mod sweep;
+mod trial;
 mod value;
 pub(crate) mod whole;
 
 pub use problem::{Problem, Problems, Span};
 
 use super::{EstimatorSpec, Experiment};
+use crate::density::Univariate;
 use crate::estimator::{Context, Estimator};
 use node::Reader;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The largest experiment file, in bytes.
 pub const LARGEST: usize = 8 << 20;
@@ -52,8 +58,6 @@ pub const ESTIMATORS: usize = 10_000;
 pub const FIGURES: usize = 100;
 /// The most claims.
 pub const CLAIMS: usize = 1000;
-/// Cells of a grid that gives only its ends.
-pub const DEFAULT_CELLS: usize = 512;
 
 /// Reads the experiment in the file at `path`; `-` is the standard input.
 ///
@@ -103,4 +107,12 @@ pub fn estimator_in(
     let (spec, built) = single::estimator(text, origin, Some(context))?;
     let built = built.ok_or_else(|| Problems::whole(origin, "the estimator was not built"))?;
     Ok((spec, built))
+}
+
+/// Reads one density with its parameters: `{ beta = { a = 2, b = 3 } }`, or without the outer braces.
+///
+/// # Errors
+/// With everything that is wrong, located in `text` under the name `origin`.
+pub fn density(text: &str, origin: &str) -> Result<Arc<dyn Univariate>, Problems> {
+    single::density(text, origin)
 }

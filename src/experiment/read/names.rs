@@ -90,6 +90,14 @@ impl Names {
         Vec::new()
     }
 
+    /// The members of a sweep.
+    pub(super) fn members(&self, group: &str) -> &[String] {
+        self.sweeps
+            .iter()
+            .find(|(name, _)| name == group)
+            .map_or(&[], |(_, members)| members)
+    }
+
     /// A sweep.
     pub(super) fn sweep(&self, reader: &mut Reader, name: &str, span: &Span) -> bool {
         if self.sweeps.iter().any(|(group, _)| group == name) {

@@ -5,6 +5,7 @@ use super::names::Names;
 use super::node::{Item, Reader};
 use super::problem::{Problem, Span, printable};
 use crate::parameter::{listed, nearest};
+use std::collections::BTreeMap;
 
 /// The rest of the experiment; `None` where the file is wrong about it and nothing can be said.
 pub(super) struct Setting<'s> {
@@ -14,6 +15,18 @@ pub(super) struct Setting<'s> {
     pub(super) replicates: Option<usize>,
     /// Whether the truth is known.
     pub(super) truth: Option<bool>,
+    /// The least ∫f² of the sources, where they are known: the error of an estimate that is zero everywhere.
+    pub(super) power: Option<f64>,
+    /// What theory can say of each estimator; those that could not be built are missing.
+    pub(super) theory: &'s BTreeMap<String, Known>,
+}
+
+/// What theory can say of an estimator.
+pub(super) struct Known {
+    /// Why it has no exact mean and variance, if so.
+    pub(super) inexact: Option<String>,
+    /// Whether the best bandwidth or width is known.
+    pub(super) optimum: bool,
 }
 
 impl Setting<'_> {

@@ -1,11 +1,14 @@
-//! One estimator outside of an experiment.
+//! One estimator, or one density, outside of an experiment.
 
 use super::estimator as group;
 use super::node::{Reader, Table};
-use super::problem::{Problem, Problems};
-use super::{document, whole::try_to_build};
+use super::problem::{Problem, Problems, Span};
+use super::source;
+use super::{document, trial::try_to_build};
+use crate::density::Univariate;
 use crate::estimator::{Context, Estimator};
 use crate::experiment::EstimatorSpec;
+use std::sync::Arc;
 
 /// A value needs a key to be a document; spans are moved back afterwards.
 const KEY: &str = "estimator=";
@@ -61,12 +64,7 @@ pub(super) fn estimator(
             }
         }
     }
-    let mut problems = reader.problems;
-    document::sift(&mut problems, &wrapped, &broken);
-    for problem in &mut problems {
-        problem.span.start = problem.span.start.saturating_sub(shift);
-        problem.span.end = problem.span.end.saturating_sub(shift);
-    }
+    let problems = shifted(reader, &wrapped, &broken, text, shift);
     match found {
         Some(found) if problems.is_empty() => Ok(found),
         _ if problems.is_empty() => Err(Problems::whole(
@@ -75,4 +73,49 @@ pub(super) fn estimator(
         )),
         _ => Err(Problems::new(origin, text, problems)),
     }
+}
+
+/// Reads one density with its parameters: `{ beta = { a = 2, b = 3 } }`, the outer braces may be missing.
+pub(super) fn density(text: &str, origin: &str) -> Result<Arc<dyn Univariate>, Problems> {
+    let (before, after) = if text.trim_start().starts_with('{') {
+        ("density=", "")
+    } else {
+        ("density={ ", " }")
+    };
+    let wrapped = format!("{before}{text}{after}");
+    let mut reader = Reader::default();
+    let mut broken = Vec::new();
+    let readable = document::close_brackets(&wrapped, &mut reader, &mut broken);
+    let document = document::parse(&readable, &mut reader, &mut broken);
+    let mut top = Table::new(document.get_ref(), before.len()..wrapped.len(), "the text");
+    let entry = top.take("density");
+    let found = entry.and_then(|entry| source::one(&mut reader, entry.item));
+    let more = top.finish(&mut reader, &["density"]);
+    let problems = shifted(reader, &wrapped, &broken, text, before.len());
+    match found.and_then(|read| read.truth) {
+        Some(truth) if problems.is_empty() && !more => Ok(truth),
+        _ if problems.is_empty() => Err(Problems::whole(
+            origin,
+            "a density is written { KIND = { parameters } }, for instance { beta = { a = 2, b = 3 } }",
+        )),
+        _ => Err(Problems::new(origin, text, problems)),
+    }
+}
+
+/// What is wrong, placed in the `text` that begins after `shift` bytes of what was read.
+fn shifted(
+    reader: Reader,
+    wrapped: &str,
+    broken: &[Span],
+    text: &str,
+    shift: usize,
+) -> Vec<Problem> {
+    let mut problems = reader.problems;
+    document::sift(&mut problems, wrapped, broken);
+    for problem in &mut problems {
+        for end in [&mut problem.span.start, &mut problem.span.end] {
+            *end = end.saturating_sub(shift).min(text.len());
+        }
+    }
+    problems
 }

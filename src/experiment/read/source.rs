@@ -138,7 +138,7 @@ fn densities(reader: &mut Reader, item: &Item<'_>) -> Option<Vec<Read>> {
 }
 
 /// One density: a name, or `{ KIND = { parameters }, name = ".." }`.
-fn one(reader: &mut Reader, item: &Item<'_>) -> Option<Read> {
+pub(super) fn one(reader: &mut Reader, item: &Item<'_>) -> Option<Read> {
     match item.get_ref() {
         DeValue::String(text) => {
             let Some(entry) = density::entry(text) else {

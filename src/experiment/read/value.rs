@@ -108,6 +108,9 @@ pub(super) fn value(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>)
         Kind::Between(low, high) => {
             within(reader, item, &what, parameter.kind, |x| low < x && x < high)
         }
+        Kind::Range(least, most) => within(reader, item, &what, parameter.kind, |x| {
+            (least..=most).contains(&x)
+        }),
         Kind::Count { least, most } => reader.count(item, &what, least, most).map(Value::Count),
         Kind::Choice(words) => word(reader, item, &what, words).map(Value::Word),
         Kind::Choices(words) => {

@@ -5,19 +5,15 @@ use super::names::Names;
 use super::node::{Entry, Item, Reader, Table};
 use super::problem::{Problem, printable};
 use super::setting::Setting;
-use super::{CELLS, CLAIMS, DEFAULT_CELLS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
+use super::trial::try_building;
+use super::{CELLS, CLAIMS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
 use super::{claim, figure, source, value};
-use crate::density::Density;
-use crate::estimator::Context;
 use crate::experiment::budget::{self, Part};
-use crate::experiment::catalogue::{self, Builds, Built};
-use crate::experiment::{EstimatorSpec, Experiment, GridSpec};
+use crate::experiment::{Experiment, GridSpec};
 use crate::parameter::{Absent, Kind, Parameter};
-use crate::sample::Sample;
 use crate::space::{Grid, GridError};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
 use toml::de::DeValue;
 
 /// The keys of the top level with what they mean.
@@ -139,6 +135,10 @@ pub(super) fn experiment(
     let folder = origin.parent().unwrap_or(Path::new(""));
     let head = head(reader, &mut top, folder);
     let (groups, names) = estimators(reader, &mut top);
+    let theory = match (&head.sources, &head.draws) {
+        (Some(sources), Some(draws)) => try_building(reader, &groups, sources, draws),
+        _ => BTreeMap::new(),
+    };
     let setting = Setting {
         names: &names,
         sources: head
@@ -148,6 +148,11 @@ pub(super) fn experiment(
         draws: head.draws.as_deref(),
         replicates: head.replicates,
         truth: head.truth,
+        power: head.sources.iter().flatten().fold(None, |least, read| {
+            let power = read.truth.as_ref()?.roughness(0);
+            Some(least.map_or(power, |least: f64| least.min(power)))
+        }),
+        theory: &theory,
     };
     let figures = parts(reader, &mut top, "figure", FIGURES, |reader, table| {
         figure::figure(reader, table, &setting)
@@ -159,9 +164,6 @@ pub(super) fn experiment(
     });
     let allowed: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
     top.finish(reader, &allowed);
-    if let (Some(sources), Some(draws)) = (&head.sources, &head.draws) {
-        try_building(reader, &groups, sources, draws);
-    }
     let experiment = Experiment {
         name: origin
             .file_stem()
@@ -286,7 +288,7 @@ pub(crate) const GRID: &[Parameter] = &[
             least: 1,
             most: CELLS,
         },
-        Absent::Number(DEFAULT_CELLS as f64),
+        Absent::Number(GridSpec::CELLS as f64),
         "how many cells",
     ),
 ];
@@ -391,79 +393,4 @@ fn parts<'d, T>(
         .map(|table| read(reader, table))
         .collect();
     read.into_iter().collect()
-}
-
-/// Builds every estimator once for every source and size, and fits it where a sample may have no spread, so that nothing can fail later.
-fn try_building(reader: &mut Reader, groups: &[Group], sources: &[source::Read], draws: &[usize]) {
-    for source in sources {
-        let own;
-        let sizes = match &source.sample {
-            Some(sample) => {
-                own = [sample.len()];
-                &own[..]
-            }
-            None => draws,
-        };
-        for &draws in sizes {
-            let context = Context {
-                truth: source
-                    .truth
-                    .clone()
-                    .map(|truth| truth as Arc<dyn Density<1>>),
-                draws,
-            };
-            let trial = trial(source, draws);
-            for group in groups {
-                for (at, member) in group.members.iter().enumerate() {
-                    let place = |parameter: &str| match &member.sweep {
-                        Some(sweep) if sweep.parameter == parameter => group.places[at].clone(),
-                        _ => group.located.place(parameter),
-                    };
-                    let built = match try_to_build(member, &context) {
-                        Ok(built) => built,
-                        Err(error) => {
-                            reader.report(Problem::at(place(error.parameter), error.what));
-                            continue;
-                        }
-                    };
-                    if let Some(sample) = &trial
-                        && let Err(error) = built.fit(sample)
-                    {
-                        let smoothing = catalogue::estimator(&member.kind)
-                            .and_then(|entry| entry.smoothing)
-                            .unwrap_or_default();
-                        reader.report(Problem::at(
-                            place(smoothing),
-                            format!(
-                                "\"{}\" cannot be fitted to {} points of \"{}\": {error}",
-                                printable(&member.name),
-                                sample.len(),
-                                printable(source.spec.name())
-                            ),
-                        ));
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// A sample that shows before the run whether estimators can be fitted: that of a data file, if it is not large, or a single point where the
-/// experiment draws no more. Larger samples of a density have a spread.
-fn trial(source: &source::Read, draws: usize) -> Option<Sample<1>> {
-    const LARGE: usize = 10_000;
-    match (&source.sample, &source.truth) {
-        (Some(sample), _) => (sample.len() <= LARGE).then(|| sample.clone()),
-        (None, Some(truth)) if draws == 1 => {
-            Sample::equal(vec![[truth.quantile(0.5)]], truth.domain().clone()).ok()
-        }
-        _ => None,
-    }
-}
-
-/// Builds an estimator.
-pub(super) fn try_to_build(spec: &EstimatorSpec, context: &Context<1>) -> Built<1> {
-    let entry = catalogue::estimator(&spec.kind)
-        .expect("specifications are made from entries of the catalogue");
-    entry.build(&spec.values, context)
 }

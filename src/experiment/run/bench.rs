@@ -213,9 +213,8 @@ fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Sett
     })
 }
 
-/// 512 cells over all but 10⁻⁴ of the mass at each end, widened by a fifth of that on both sides so that what an estimator lays beyond shows.
+/// Cells over all but 10⁻⁴ of the mass at each end, widened by a fifth of that on both sides so that what an estimator lays beyond shows.
 fn default_grid(source: &Opened) -> Result<Grid<1>, crate::space::GridError> {
-    const CELLS: usize = 512;
     let (low, high) = match source {
         Opened::Density(density) => {
             let ([low], [high]) = density.bulk(1e-4);
@@ -233,5 +232,5 @@ fn default_grid(source: &Opened) -> Result<Grid<1>, crate::space::GridError> {
         }
     };
     let margin = 0.2 * (high - low);
-    Grid::new([low - margin], [high + margin], [CELLS])
+    Grid::new([low - margin], [high + margin], [GridSpec::CELLS])
 }

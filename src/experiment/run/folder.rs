@@ -2,29 +2,67 @@
 //!
 //! While a run is going on its folder is called `NAME.partial` and holds the journal; when everything is written it is renamed to `NAME`
 //! and the journal goes. A folder that is not a run of this laboratory is never touched.
+//!
+//! Numbers that another build of the laboratory computed are neither continued nor shown as if this one had: such a run is computed anew, with a word
+//! about it, and takes the old one's place when it is finished.
 
 use super::RunError;
 use crate::experiment::Experiment;
+use crate::experiment::program;
 use crate::storage::StorageError;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-/// The file that says which experiment a folder belongs to; `manifest.json` of a finished run holds the same under `fingerprint`.
+/// The file that says which experiment a folder belongs to, and in its second line which build computes it; `manifest.json` of a finished run holds the same
+/// under `fingerprint` and `build`.
 const OWNER: &str = "fingerprint";
+/// What finished runs have, and what may be left in them after a crash while tidying.
+const CONTENTS: [&str; 7] = [
+    "manifest.json",
+    "report.html",
+    "tables",
+    "figures",
+    "journal",
+    OWNER,
+    "lock",
+];
 
-/// What identifies a run: the hash of the resolved experiment, its seed, and the version of the laboratory.
-pub fn fingerprint(experiment: &Experiment) -> String {
+/// The hash of the resolved experiment with its seed, of whether it was cut short by `--quick` (which judges claims more leniently, whatever the number
+/// of replicates), and of the version of the laboratory.
+pub fn fingerprint(experiment: &Experiment, quick: bool) -> String {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(program::VERSION.as_bytes());
+    hasher.update(if quick { b" quick " } else { b" whole " });
     hasher.update(&serde_json::to_vec(experiment).unwrap_or_default());
     hasher.finalize().to_hex().to_string()
+}
+
+/// What a run is, and who computes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// [`fingerprint`].
+    pub fingerprint: String,
+    /// [`program::build`].
+    pub build: String,
+}
+
+impl Identity {
+    /// That of a run of `experiment` by this program.
+    pub fn of(experiment: &Experiment, quick: bool) -> Self {
+        Self {
+            fingerprint: fingerprint(experiment, quick),
+            build: program::build().to_owned(),
+        }
+    }
 }
 
 /// What to do about what is there already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
-    /// A finished run is reused, a half-finished one continued.
+    /// A finished run is reused, a half-finished one continued; what another build computed is computed anew.
     Continue,
+    /// The same, but what another build began is an error.
+    Resume,
     /// A run is discarded and begun anew.
     Replace,
 }
@@ -42,39 +80,44 @@ pub struct RunFolder {
     place: PathBuf,
     partial: PathBuf,
     journal: PathBuf,
+    remark: Option<String>,
     _lock: File,
 }
 
 impl RunFolder {
-    /// The folder that a run of `experiment` goes to if none is named: `runs/NAME-HASH8`.
-    pub fn default_place(experiment: &Experiment) -> PathBuf {
-        Path::new("runs").join(format!(
-            "{}-{}",
-            experiment.name,
-            &fingerprint(experiment)[..8]
-        ))
+    /// The folder that a run of the experiment called `name` goes to if none is named: `runs/NAME-HASH8`.
+    pub fn default_place(name: &str, identity: &Identity) -> PathBuf {
+        Path::new("runs").join(format!("{name}-{}", &identity.fingerprint[..8]))
     }
 
-    /// Opens the folder for a run of `experiment` at `place`.
+    /// Opens the folder for a run at `place`.
     ///
     /// # Errors
     /// If the place is taken by something else, another process is at work there, or it cannot be written.
     pub fn open(
         place: &Path,
-        experiment: &Experiment,
+        identity: &Identity,
         existing: Existing,
     ) -> Result<Opening, RunError> {
-        let identity = fingerprint(experiment);
-        if let Some(found) = finished_identity(place)? {
-            if found == identity && existing == Existing::Continue {
-                return Ok(Opening::Finished(place.to_owned()));
-            }
-            if existing == Existing::Continue {
+        let mut remark = None;
+        if let Some(found) = finished(place)?
+            && existing != Existing::Replace
+        {
+            if found.fingerprint != identity.fingerprint {
                 return Err(RunError::Folder(format!(
                     "{} holds another run; give another --out, or --force to replace it",
                     place.display()
                 )));
             }
+            if found.build == identity.build {
+                return Ok(Opening::Finished(place.to_owned()));
+            }
+            only_ours(place)?;
+            remark = Some(format!(
+                "{} was computed {}: it is computed anew and replaced at the end",
+                place.display(),
+                program::difference(&found.build)
+            ));
         }
         let partial = sibling(place, "partial");
         let unowned = fs::read_dir(&partial).is_ok_and(|mut inside| inside.next().is_some())
@@ -90,26 +133,48 @@ impl RunFolder {
         let lock = lock(&partial)?;
         let owner = partial.join(OWNER);
         let known = fs::read_to_string(&owner).unwrap_or_default();
+        let (theirs, build) = known.split_once('\n').unwrap_or((&known, ""));
         let journal = partial.join("journal");
-        if known != identity && !known.is_empty() && existing == Existing::Continue {
+        let begun = !theirs.is_empty() && existing != Existing::Replace;
+        if begun && theirs != identity.fingerprint {
             return Err(RunError::Folder(format!(
                 "{} holds an unfinished run of another experiment; give another --out, or --force to discard it",
                 partial.display()
             )));
         }
-        if known != identity || existing == Existing::Replace {
+        if begun && build != identity.build {
+            let difference = program::difference(build);
+            if existing == Existing::Resume {
+                return Err(RunError::Folder(format!(
+                    "{} was begun {difference}: what they compute cannot be mixed; leave --resume out to begin anew, or go on with that build",
+                    partial.display()
+                )));
+            }
+            remark = Some(format!(
+                "{} was begun {difference}: it is begun anew",
+                partial.display()
+            ));
+        }
+        let mine = format!("{}\n{}", identity.fingerprint, identity.build);
+        if known != mine || existing == Existing::Replace {
             if journal.exists() {
                 fs::remove_dir_all(&journal).map_err(StorageError::at(&journal, "clearing"))?;
             }
-            crate::storage::write_atomically(&owner, identity.as_bytes())?;
+            crate::storage::write_atomically(&owner, mine.as_bytes())?;
         }
         fs::create_dir_all(&journal).map_err(StorageError::at(&journal, "creating"))?;
         Ok(Opening::Open(Self {
             place: place.to_owned(),
             partial,
             journal,
+            remark,
             _lock: lock,
         }))
+    }
+
+    /// What the user should know about what was here before.
+    pub fn remark(&self) -> Option<&str> {
+        self.remark.as_deref()
     }
 
     /// Where finished cells are kept while the run goes on.
@@ -138,15 +203,22 @@ impl RunFolder {
     /// Everything is written: the folder takes its name, in place of a run that was to be replaced, and the journal goes.
     ///
     /// # Errors
-    /// If renaming fails; the files stay in the partial folder then.
+    /// If something else has taken the place meanwhile, or renaming fails; the files stay in the partial folder then, and what was there stays where it was.
     pub fn finish(self) -> Result<PathBuf, RunError> {
         let old = sibling(&self.place, &format!("replaced-{}", std::process::id()));
-        let replaces = self.place.exists();
+        let replaces = finished(&self.place)?.is_some();
         if replaces {
             fs::rename(&self.place, &old).map_err(StorageError::at(&self.place, "renaming"))?;
+        } else if self.place.exists() {
+            // it is empty, or it would not have passed
+            fs::remove_dir(&self.place).map_err(StorageError::at(&self.place, "removing"))?;
         }
-        fs::rename(&self.partial, &self.place)
-            .map_err(StorageError::at(&self.place, "renaming"))?;
+        if let Err(error) = fs::rename(&self.partial, &self.place) {
+            if replaces {
+                let _ = fs::rename(&old, &self.place);
+            }
+            return Err(StorageError::at(&self.place, "renaming")(error).into());
+        }
         if replaces {
             fs::remove_dir_all(&old).map_err(StorageError::at(&old, "removing"))?;
         }
@@ -170,8 +242,25 @@ fn sibling(place: &Path, ending: &str) -> PathBuf {
     place.with_file_name(name)
 }
 
-/// The fingerprint of the finished run at `place`; `None` if nothing (or an empty folder) is there; an error if it is not a run.
-fn finished_identity(place: &Path) -> Result<Option<String>, RunError> {
+/// Refuses to replace, unasked, a folder into which somebody has put something.
+fn only_ours(place: &Path) -> Result<(), RunError> {
+    let entries = fs::read_dir(place).map_err(StorageError::at(place, "reading"))?;
+    let other = entries
+        .flatten()
+        .map(|entry| entry.file_name())
+        .find(|name| !CONTENTS.iter().any(|ours| name == ours));
+    match other {
+        None => Ok(()),
+        Some(name) => Err(RunError::Folder(format!(
+            "{} was computed by another build of the laboratory and cannot be replaced, because it holds {}, which is not part of a run; give another --out, or --force to replace everything",
+            place.display(),
+            name.display()
+        ))),
+    }
+}
+
+/// Which finished run is at `place`; `None` if nothing (or an empty folder) is there; an error if it is not a run.
+fn finished(place: &Path) -> Result<Option<Identity>, RunError> {
     let Ok(about) = fs::metadata(place) else {
         return Ok(None);
     };
@@ -189,10 +278,12 @@ fn finished_identity(place: &Path) -> Result<Option<String>, RunError> {
     let identity = manifest
         .and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok())
         .and_then(|manifest| {
-            manifest
-                .get("fingerprint")
-                .and_then(|f| f.as_str())
-                .map(str::to_owned)
+            let text = |key| Some(manifest.get(key)?.as_str()?.to_owned());
+            Some(Identity {
+                fingerprint: text("fingerprint")?,
+                // older versions did not say
+                build: text("build").unwrap_or_default(),
+            })
         });
     match identity {
         Some(identity) => Ok(Some(identity)),

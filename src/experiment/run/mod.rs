@@ -11,7 +11,7 @@ mod journal;
 
 pub use bench::{Bench, Setting};
 pub use cell::{Cell, Record, Replicate};
-pub use folder::{Existing, Opening, RunFolder, fingerprint};
+pub use folder::{Existing, Identity, Opening, RunFolder, fingerprint};
 
 use super::Experiment;
 use crate::space::Warning;

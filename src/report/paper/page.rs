@@ -5,12 +5,13 @@ use super::pictures::{Picture, place_axis};
 use super::sweep::{members, parameter, traces};
 use super::{Fine, Material, tables};
 use crate::experiment::judge::{Ruling, short};
-use crate::experiment::manifest::{REVISION, VERSION};
+use crate::experiment::program::{REVISION, VERSION};
 use crate::experiment::results::Group;
 use crate::experiment::{Measure, SourceSpec};
 use crate::random::GENERATOR;
 use crate::report::figure::{Axis, Sweep};
 use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Verdict, Warning};
+use crate::report::text::minus;
 
 pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Picture>) -> String {
     let experiment = material.bench.experiment();
@@ -51,7 +52,7 @@ fn claims(material: &Material<'_>) -> Vec<Verdict> {
             Ruling::Fails if material.circumstances.quick => page::Outcome::Undecided,
             Ruling::Fails => page::Outcome::Fail,
         },
-        detail: verdict.detail.clone(),
+        detail: minus(&verdict.detail),
     });
     verdicts.collect()
 }
@@ -127,7 +128,11 @@ fn facts(material: &Material<'_>) -> Vec<(String, String)> {
 
 fn grid(group: &Group) -> String {
     let ([low], [high], [cells]) = (group.grid.low(), group.grid.high(), group.grid.cells());
-    format!("{cells} cells from {} to {}", short(low), short(high))
+    minus(&format!(
+        "{cells} cells from {} to {}",
+        short(low),
+        short(high)
+    ))
 }
 
 fn warnings(material: &Material<'_>) -> Vec<Warning> {

@@ -158,6 +158,7 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
             values.extend(words(choices));
             values
         }
+        Kind::Range(least, most) => numbers(&[least, 0.5 * (least + most), most]),
         Kind::Between(low, high) => numbers(&[low + 0.3 * (high - low), low + 0.9 * (high - low)]),
         Kind::Text | Kind::Texts | Kind::Choices(_) | Kind::Rows(_) => {
             panic!("teach the suite what to try for {}", parameter.name)
