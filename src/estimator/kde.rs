@@ -4,7 +4,7 @@ use super::width::best;
 use super::{
     Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
 };
-use crate::boundary::{Boundary, Ignore};
+use crate::boundary::{self, Boundary, Ignore};
 use crate::density::Density;
 use crate::engine::{EXACT, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape};
@@ -26,6 +26,8 @@ pub struct Kde {
     shape: Shape,
     width: Width,
     boundary: Box<dyn Boundary<1>>,
+    /// Whether walls are seen to: the exact theory is of estimates that ignore them.
+    corrected: bool,
     /// The engine that is forced, if any.
     engine: Option<&'static str>,
     /// What an engine may be off by, relative to the ceiling of the sum.
@@ -86,7 +88,7 @@ impl Estimator<1> for Kde {
                     planned.expect("only known engines are built in"),
                 ))
             };
-            Ok(self.boundary.correct(sum, &compute).into())
+            Ok(self.boundary.correct(sum, &compute)?.into())
         };
         let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
             (0..sample.channels())
@@ -110,12 +112,15 @@ impl Estimator<1> for Kde {
         let Width::Number(h) = self.width else {
             return None;
         };
+        if self.corrected {
+            return None;
+        }
         let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
         Some(places.iter().map(at).collect())
     }
 
     fn family(&self) -> Option<Family> {
-        Some(Family::Kernel(self.shape))
+        (!self.corrected).then_some(Family::Kernel(self.shape))
     }
 }
 
@@ -160,9 +165,9 @@ impl Described for Kde {
         ),
         Parameter::optional(
             "boundary",
-            Kind::Choice(&["ignore"]),
+            Kind::Choice(&boundary::NAMES),
             Absent::Word("ignore"),
-            "what to do at walls",
+            "what to do about the mass that kernels lay beyond the walls of the domain",
         ),
     ];
 }
@@ -199,7 +204,11 @@ impl Kde {
         Ok(Self {
             shape,
             width,
-            boundary: Box::new(Ignore),
+            corrected: values.word("boundary").is_some_and(|word| word != "ignore"),
+            boundary: values
+                .word("boundary")
+                .and_then(boundary::named)
+                .unwrap_or(Box::new(Ignore)),
             engine: values
                 .word("engine")
                 .and_then(|word| ENGINES[1..].iter().find(|name| **name == word).copied()),

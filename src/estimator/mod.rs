@@ -22,6 +22,7 @@ pub use naive::Naive;
 pub use normal::Normal;
 pub use shifted_histogram::ShiftedHistogram;
 
+use crate::boundary::BoundaryError;
 use crate::density::Density;
 use crate::kernel::{Bandwidth, WidthError};
 use crate::parameter::{Parameter, Values};
@@ -66,6 +67,9 @@ pub enum FitError {
     /// The bandwidth is not legal.
     #[error(transparent)]
     Width(#[from] WidthError),
+    /// The walls cannot be treated as asked.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
     /// The engine that was asked for cannot do it.
     #[error("{0}")]
     Engine(String),
