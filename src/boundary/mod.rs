@@ -17,6 +17,7 @@
 //! kernel density estimation (local linear); Jones & Foster 1996 (positive); Walter, Hubbard, Shirley & Greenberg 1997 (local linear on polygons).
 
 mod bump;
+mod expectation;
 mod ignore;
 mod local_linear;
 mod moments;
@@ -26,6 +27,7 @@ mod reflect;
 mod within;
 
 pub use bump::Bump;
+pub use expectation::corrected_moments;
 pub use ignore::Ignore;
 pub use local_linear::LocalLinear;
 pub use moments::DomainMoments;

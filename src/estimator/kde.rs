@@ -1,13 +1,11 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
 use super::width::best;
-use super::{
-    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
-};
-use crate::boundary::{self, Boundary, Ignore};
+use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use crate::boundary::{self, Boundary, Bump, Ignore, corrected_moments};
 use crate::density::Density;
 use crate::engine::{EXACT, LINE, Planned};
-use crate::kernel::{Bandwidth, KernelSum, Shape};
+use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
@@ -112,11 +110,17 @@ impl Estimator<1> for Kde {
         let Width::Number(h) = self.width else {
             return None;
         };
-        if self.corrected {
-            return None;
+        if !self.corrected || !truth.domain().has_walls() {
+            let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
+            return Some(places.iter().map(at).collect());
         }
-        let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
-        Some(places.iter().map(at).collect())
+        let bump = Bump {
+            shape: self.shape,
+            symmetry: Symmetry::Product,
+            width: [h],
+        };
+        let at = |&[x]: &Point<1>| corrected_moments(&*self.boundary, &bump, truth, draws, x);
+        places.iter().map(at).collect()
     }
 
     fn family(&self) -> Option<Family> {

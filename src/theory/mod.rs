@@ -3,6 +3,7 @@
 //! | question | answer |
 //! |---|---|
 //! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`] |
+//! | the same of any estimate that is Σ κ(x, Xᵢ) / n | [`equivalent_moments`] |
 //! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`] |
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
@@ -39,7 +40,7 @@ pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;
 pub use optimum::{Optimum, Oracle};
-pub use pointwise::{kernel_cuts, kernel_moments};
+pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
 
 /// Mean and variance of an estimate at one place, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Mean and variance of a kernel estimate at one place.
 
 use super::Moments;
-use super::integrated::components;
+use super::integrated::{components, panels_of};
 use crate::density::Density;
 use crate::kernel::{Kernel, Shape};
 use crate::numeric::special::normal_density;
@@ -73,6 +73,39 @@ pub fn kernel_cuts(truth: &dyn Density<1>, shape: Shape, h: f64) -> Vec<f64> {
             .flat_map(|part| [-h, h].map(|edge| (part.mean + edge, 1.5 * part.deviation)))
             .flat_map(|(centre, step)| ladder(centre, step))
             .collect(),
+    }
+}
+
+/// Mean and variance of f̂(x) = Σ κ(Xᵢ) / n for any κ: E κ(X) and var κ(X) / n over `draws` points of `truth`.
+///
+/// κ is smooth between consecutive `cuts`, vanishes outside `[low, high]` and changes over no less than `longest`. Quadrature to about 1e-12 of the largest κ.
+pub fn equivalent_moments(
+    truth: &dyn Density<1>,
+    kernel: impl Fn(f64) -> f64,
+    [low, high]: [f64; 2],
+    cuts: impl IntoIterator<Item = f64>,
+    longest: f64,
+    draws: f64,
+) -> Moments {
+    let ([least], [most]) = truth.bulk(1e-18);
+    let (low, high) = (low.max(least), high.min(most));
+    let (mut mean, mut square) = (Sum::default(), Sum::default());
+    if low < high {
+        let coarse = panels_of(truth, low, high, cuts);
+        let fine = panels(low, high, coarse, longest);
+        for panel in fine.windows(2) {
+            for (y, weight) in RULE.on(panel[0], panel[1]) {
+                let value = kernel(y);
+                let term = weight * value * truth.at([y]);
+                mean.add(term);
+                square.add(term * value);
+            }
+        }
+    }
+    let (mean, square) = (mean.value(), square.value());
+    Moments {
+        mean,
+        variance: ((square - mean * mean) / draws).max(0.0),
     }
 }
 
