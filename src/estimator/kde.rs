@@ -10,7 +10,7 @@ use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
-use crate::theory::kernel_moments;
+use crate::theory::{Family, kernel_moments};
 use std::sync::Arc;
 
 /// Where the bandwidth comes from.
