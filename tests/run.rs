@@ -37,9 +37,9 @@ fn experiment() -> Experiment {
         draws: vec![50, 80],
         replicates: 64,
         grid: Some(GridSpec {
-            low: -4.0,
-            high: 4.0,
-            cells: 64,
+            low: vec![-4.0],
+            high: vec![4.0],
+            cells: vec![64],
         }),
         estimators: vec![kernel("narrow", 0.2), kernel("wide", 0.7)],
         figures: Vec::new(),

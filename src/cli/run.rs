@@ -5,6 +5,7 @@ use super::notes::Notes;
 use super::output::Output;
 use super::stop::Stop;
 use super::summary;
+use crate::experiment::catalogue::{Builds, Entry};
 use crate::experiment::judge::{Ruling, judge};
 use crate::experiment::manifest::{self, Circumstances, Line, SummaryRow};
 use crate::experiment::results::Results;
@@ -13,7 +14,7 @@ use crate::experiment::run::{
 };
 use crate::experiment::{Experiment, SourceSpec, budget, read};
 use crate::memory;
-use crate::report::paper::{self, Material};
+use crate::report::paper::{self, Draws, Material, Paper};
 use clap::Args;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::{self, Write as _};
@@ -94,7 +95,11 @@ impl Run {
                 self.print(&experiment, &past.verdicts, &past.summary, &path)?;
                 past.verdicts
             }
-            Opening::Open(folder) => self.compute(experiment, folder, notes)?,
+            // the only place where the number of dimensions decides
+            Opening::Open(folder) => match experiment.dimensions() {
+                1 => self.compute::<1>(experiment, folder, notes)?,
+                _ => self.compute::<2>(experiment, folder, notes)?,
+            },
         };
         // a quick run has too few replicates to condemn what is simulated
         let stands = |line: &Line| line.holds || (self.quick && !line.theory);
@@ -138,17 +143,21 @@ impl Run {
         Ok(experiment)
     }
 
-    fn compute(
+    fn compute<const D: usize>(
         &self,
         experiment: Experiment,
         folder: RunFolder,
         notes: Notes,
-    ) -> Result<Vec<Line>, Stop> {
+    ) -> Result<Vec<Line>, Stop>
+    where
+        Entry: Builds<D>,
+        Paper: Draws<D>,
+    {
         if let Some(remark) = folder.remark() {
             notes.say(remark);
         }
         let start = Instant::now();
-        let bench = Bench::new(experiment).map_err(stop)?;
+        let bench = Bench::<D>::new(experiment).map_err(stop)?;
         let bar = Bar::new(notes);
         let finished = run::run(&bench, &folder, interrupt::graceful(), &bar);
         bar.0.finish_and_clear();

@@ -33,7 +33,8 @@ pub use half_normal::HalfNormal;
 pub use marron_wand::marron_wand;
 pub use mixture::{MixtureError, NormalComponent, NormalMixture};
 pub use plane::{
-    PlaneComponent, PlaneMixture, PlaneMixtureError, Product, Room, Smooth, Square, SquarePart,
+    NormalAt, PlaneComponent, PlaneMixture, PlaneMixtureError, Product, Room, Smooth, Square,
+    SquarePart, normal_at,
 };
 pub use ramp::{Direction, Ramp};
 pub use truncated_exponential::TruncatedExponential;
@@ -93,6 +94,11 @@ pub trait Bivariate: Density<2> {
 
     /// The density as weighted normals, where it is one: exact errors have closed forms then.
     fn normal_components(&self) -> Option<&[PlaneComponent]> {
+        None
+    }
+
+    /// The density as the product of one on each axis, where it is one.
+    fn factors(&self) -> Option<[&dyn Univariate; 2]> {
         None
     }
 }

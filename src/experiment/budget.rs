@@ -1,6 +1,6 @@
 //! What an experiment will cost, known before anything is drawn.
 
-use super::catalogue::Builds;
+use super::catalogue::{Builds, Entry};
 use super::{Experiment, GridSpec, SourceSpec, catalogue};
 use crate::density;
 use crate::estimator::Context;
@@ -78,7 +78,8 @@ pub fn budget(experiment: &Experiment) -> Budget {
     };
     let grid = experiment
         .grid
-        .map_or(GridSpec::CELLS as f64, |grid| grid.cells as f64);
+        .as_ref()
+        .map_or_else(|| default_cells(experiment), GridSpec::len) as f64;
     let estimators = experiment.estimators.len() as f64;
     let sources = experiment.sources.len() as f64;
     let replicates = experiment.replicates as f64;
@@ -88,7 +89,7 @@ pub fn budget(experiment: &Experiment) -> Budget {
     let points: f64 = sizes.iter().sum();
     let largest_sample = sizes.iter().copied().fold(0.0, f64::max);
     let largest = Largest {
-        samples: largest_sample * PER_POINT * threads,
+        samples: largest_sample * PER_POINT * experiment.dimensions() as f64 * threads,
         fields: settings * blocks * grid * PER_CELL,
         records: settings * replicates * PER_ESTIMATE,
     };
@@ -105,25 +106,43 @@ fn threads() -> f64 {
     std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64)
 }
 
+/// Cells of a grid that the file does not give.
+fn default_cells(experiment: &Experiment) -> usize {
+    let dimensions = experiment.dimensions();
+    GridSpec::default_cells(dimensions).pow(dimensions as u32)
+}
+
 /// The seconds that a run will take on all cores, from the time that some of its estimators take now on small samples of the first source;
 /// `None` for data files, which are fitted once. Good to a factor of two or three: costs are taken to grow in proportion to points and cells.
 pub fn seconds(experiment: &Experiment) -> Option<f64> {
+    match experiment.dimensions() {
+        1 => timed::<1>(experiment),
+        _ => timed::<2>(experiment),
+    }
+}
+
+fn timed<const D: usize>(experiment: &Experiment) -> Option<f64>
+where
+    Entry: Builds<D>,
+{
     const POINTS: usize = 1000;
     const TRIED: usize = 12;
     let SourceSpec::Density { kind, values, .. } = experiment.sources.first()? else {
         return None;
     };
-    let truth = density::entry(kind)?.build(values).ok()?.line()?;
+    let truth = Entry::truth(density::entry(kind)?.build(values).ok()?)?;
     let draws = experiment.draws.iter().copied().max()?.min(POINTS);
     let mut random = random::stream(experiment.seed, "cost", 0);
     let points: Vec<_> = (0..draws).map(|_| truth.draw(&mut random)).collect();
     let sample = Sample::equal(points, truth.domain().clone()).ok()?;
-    let cells = experiment
-        .grid
-        .map_or(GridSpec::CELLS, |grid| grid.cells)
-        .min(GridSpec::CELLS);
+    let most = GridSpec::default_cells(D);
+    let cells: [usize; D] = match &experiment.grid {
+        Some(grid) => grid.cells[..].try_into().ok()?,
+        None => [most; D],
+    };
+    let cells = cells.map(|cells| cells.min(most));
     let (low, high) = truth.bulk(1e-4);
-    let grid = Grid::new(low, high, [cells]).ok()?;
+    let grid = Grid::new(low, high, cells).ok()?;
     let step = experiment.estimators.len().div_ceil(TRIED).max(1);
     let (mut tried, mut took) = (0.0, 0.0);
     for spec in experiment.estimators.iter().step_by(step) {
@@ -146,7 +165,7 @@ pub fn seconds(experiment: &Experiment) -> Option<f64> {
             least = least.min(start.elapsed().as_secs_f64());
         }
         if least.is_finite() {
-            tried += (draws + cells) as f64;
+            tried += (draws + grid.len()) as f64;
             took += least;
         }
     }

@@ -45,6 +45,20 @@ pub enum FigureKind {
     },
     /// One small panel a source: truth and estimates of the first sample.
     Densities {},
+    /// Maps of the plane.
+    Maps {
+        /// Any of `truth`, `sample` (the estimates of the first sample), `mean` (over replicates) and `error` (the mean less the truth).
+        show: Vec<String>,
+        /// Level lines at round values.
+        levels: bool,
+    },
+    /// Estimates and truth along a straight line through the plane.
+    Section {
+        /// Where the line begins.
+        from: [f64; 2],
+        /// Where it ends.
+        to: [f64; 2],
+    },
     /// Measured and theoretical efficiency of each kernel.
     Efficiency {},
 }

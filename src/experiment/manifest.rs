@@ -86,7 +86,7 @@ pub struct SummaryRow {
 
 impl SummaryRow {
     /// One row an estimator and group.
-    pub fn all(results: &Results) -> Vec<Self> {
+    pub fn all<const D: usize>(results: &Results<D>) -> Vec<Self> {
         let mut rows = Vec::new();
         for group in &results.groups {
             for outcome in &group.outcomes {
@@ -131,10 +131,10 @@ pub struct Past {
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn write(
+pub fn write<const D: usize>(
     folder: &Path,
     experiment: &Experiment,
-    results: &Results,
+    results: &Results<D>,
     verdicts: &[Verdict],
     circumstances: &Circumstances,
 ) -> Result<(), StorageError> {

@@ -25,7 +25,9 @@ pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};
 pub use summary::summary;
 
+use crate::density;
 use crate::parameter::Values;
+use crate::space::{Domain, Grid, GridError, Polygon, Side};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -74,12 +76,12 @@ pub enum SourceSpec {
         name: String,
         /// The file, relative paths resolved against the experiment's folder.
         path: PathBuf,
-        /// The column of the data.
-        column: String,
+        /// The column of each axis: one on a line, two in the plane.
+        columns: Vec<String>,
         /// The column of weights, if any.
         weight: Option<String>,
-        /// Walls, if the data stop at known places: `[low, high]`, infinite where open.
-        domain: Option<[f64; 2]>,
+        /// Walls, if the data stop at known places.
+        domain: Option<Limits>,
         /// The BLAKE3 hash of the file's bytes: other data are another experiment.
         hash: String,
     },
@@ -92,22 +94,121 @@ impl SourceSpec {
             Self::Density { name, .. } | Self::File { name, .. } => name,
         }
     }
+
+    /// 1 on a line, 2 in the plane.
+    pub fn dimensions(&self) -> usize {
+        match self {
+            Self::Density { kind, .. } => {
+                density::entry(kind).map_or(1, density::Entry::dimensions)
+            }
+            Self::File { columns, .. } => columns.len(),
+        }
+    }
 }
 
-/// Cells on an interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Where the points of a data file can lie.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Limits {
+    /// `[low, high]` for each axis, infinite where open.
+    Box(Vec<[f64; 2]>),
+    /// The corners of a polygon.
+    Polygon {
+        /// In order.
+        vertices: Vec<[f64; 2]>,
+    },
+}
+
+impl Limits {
+    /// The domain with walls at all finite limits.
+    ///
+    /// # Errors
+    /// If they are not those of a domain of `D` dimensions.
+    pub fn domain<const D: usize>(limits: Option<&Self>) -> Result<Domain<D>, String> {
+        let side = |limit: f64| {
+            if limit.is_finite() {
+                Side::Wall
+            } else {
+                Side::Open
+            }
+        };
+        match limits {
+            None => Ok(Domain::whole()),
+            Some(Self::Box(axes)) => {
+                let axes = <[[f64; 2]; D]>::try_from(&axes[..])
+                    .map_err(|_| format!("`domain` has limits for {} axes, not {D}", axes.len()))?;
+                let (low, high) = (axes.map(|axis| axis[0]), axes.map(|axis| axis[1]));
+                Domain::new(low, high, axes.map(|axis| axis.map(side)))
+                    .map_err(|error| error.to_string())
+            }
+            Some(Self::Polygon { vertices }) => {
+                let outline = Polygon::new(vertices.clone()).map_err(|error| error.to_string())?;
+                Domain::bounded(outline).ok_or_else(|| "a polygon needs two axes".to_owned())
+            }
+        }
+    }
+}
+
+/// Cells on an interval or a rectangle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GridSpec {
-    /// The lower end.
-    pub low: f64,
-    /// The upper end.
-    pub high: f64,
-    /// How many cells.
-    pub cells: usize,
+    /// The lower end of each axis.
+    pub low: Vec<f64>,
+    /// The upper end of each axis.
+    pub high: Vec<f64>,
+    /// How many cells each axis has.
+    pub cells: Vec<usize>,
 }
 
 impl GridSpec {
-    /// Cells of a grid that gives only its ends, or nothing.
+    /// Cells of a grid on a line that gives only its ends, or nothing.
     pub const CELLS: usize = 512;
+    /// Cells of each axis in the plane.
+    pub const PLANE: usize = 128;
+
+    /// Cells of an axis where the file does not say.
+    pub fn default_cells(dimensions: usize) -> usize {
+        if dimensions == 1 {
+            Self::CELLS
+        } else {
+            Self::PLANE
+        }
+    }
+
+    /// The grid.
+    ///
+    /// # Errors
+    /// If it is not one of `D` dimensions.
+    pub fn grid<const D: usize>(&self) -> Result<Grid<D>, GridError> {
+        let axis = |values: &[f64]| <[f64; D]>::try_from(values);
+        match (
+            axis(&self.low),
+            axis(&self.high),
+            <[usize; D]>::try_from(&self.cells[..]),
+        ) {
+            (Ok(low), Ok(high), Ok(cells)) => Grid::new(low, high, cells),
+            _ => Err(GridError::NoCells {
+                axis: self.cells.len().min(self.low.len()).min(self.high.len()),
+            }),
+        }
+    }
+
+    /// Cells in all.
+    pub fn len(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Experiment {
+    /// 1 on a line, 2 in the plane; the same for all sources.
+    pub fn dimensions(&self) -> usize {
+        self.sources.first().map_or(1, SourceSpec::dimensions)
+    }
 }
 
 /// One estimator of an experiment.

@@ -5,6 +5,7 @@ use super::{Experiment, Measure};
 use crate::accuracy::{Interval, Tally, mean_interval};
 use crate::numeric::Sum;
 use crate::space::{Grid, Point, Warning};
+use crate::theory::Moments;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -12,15 +13,15 @@ use std::collections::BTreeMap;
 pub const CONFIDENCE: f64 = 0.95;
 
 /// Everything that tables, figures and claims are made from.
-pub struct Results {
+pub struct Results<const D: usize = 1> {
     /// One entry for each source and sample size, in order.
-    pub groups: Vec<Group>,
+    pub groups: Vec<Group<D>>,
     /// What the reader should know, and on how many samples it came up.
     pub warnings: BTreeMap<Warning, usize>,
 }
 
 /// The results for one source and sample size.
-pub struct Group {
+pub struct Group<const D: usize = 1> {
     /// The source, as a position in the experiment.
     pub source: usize,
     /// The sample size, as a position among the source's sizes.
@@ -30,7 +31,9 @@ pub struct Group {
     /// The sample size.
     pub draws: usize,
     /// Where everything was evaluated.
-    pub grid: Grid<1>,
+    pub grid: Grid<D>,
+    /// Which cells lie in the polygon that bounds the domain, where there is one.
+    pub mask: Option<Vec<bool>>,
     /// The truth there, where it is known.
     pub truth: Option<Vec<f64>>,
     /// One entry for each estimator, in the experiment's order.
@@ -55,7 +58,7 @@ pub struct Outcome {
     pub engine: Option<String>,
 }
 
-impl Group {
+impl<const D: usize> Group<D> {
     /// The outcome of the estimator of that name.
     pub fn outcome(&self, name: &str) -> Option<&Outcome> {
         self.outcomes.iter().find(|outcome| outcome.name == name)
@@ -86,7 +89,12 @@ impl Outcome {
     }
 
     /// An interval for `measure` at `confidence`; an exact value is an interval of no length.
-    pub fn interval(&self, measure: Measure, confidence: f64, group: &Group) -> Option<Interval> {
+    pub fn interval<const D: usize>(
+        &self,
+        measure: Measure,
+        confidence: f64,
+        group: &Group<D>,
+    ) -> Option<Interval> {
         if let Some(values) = self.per_replicate(measure, group.truth_integral()) {
             return Some(mean_interval(&values, confidence));
         }
@@ -119,9 +127,9 @@ impl Outcome {
     }
 }
 
-impl Results {
+impl<const D: usize> Results<D> {
     /// Gathers the records of a finished run. Exact values are computed here, on the same grid.
-    pub fn gather(bench: &Bench, finished: Finished) -> Self {
+    pub fn gather(bench: &Bench<D>, finished: Finished) -> Self {
         let experiment = bench.experiment();
         let mut records: BTreeMap<(usize, usize, usize), Vec<Record>> = BTreeMap::new();
         for (
@@ -148,6 +156,7 @@ impl Results {
                     name: spec.name().to_owned(),
                     draws: setting.draws,
                     grid: setting.grid,
+                    mask: setting.mask.clone(),
                     truth: setting.truth.clone(),
                     outcomes: Vec::new(),
                 };
@@ -177,12 +186,28 @@ struct Exact {
 }
 
 /// Exact moments by theory at the targets, integrated over the grid as the simulated errors are.
-fn exact(bench: &Bench, source: usize, size: usize, estimator: usize) -> Option<Exact> {
+fn exact<const D: usize>(
+    bench: &Bench<D>,
+    source: usize,
+    size: usize,
+    estimator: usize,
+) -> Option<Exact> {
     let setting = bench.setting(source, size);
     let truth = setting.truth.as_ref()?;
     let density = bench.truth(source)?;
-    let places: Vec<Point<1>> = setting.grid.centres().collect();
-    let moments = setting.estimators[estimator].expectation(&**density, setting.draws, &places)?;
+    let places: Vec<Point<D>> = setting.grid.centres().collect();
+    let mut moments =
+        setting.estimators[estimator].expectation(&**density, setting.draws, &places)?;
+    if let Some(mask) = &setting.mask {
+        let outside = Moments {
+            mean: 0.0,
+            variance: 0.0,
+        };
+        let cells = moments.iter_mut().zip(mask);
+        cells
+            .filter(|(_, inside)| !**inside)
+            .for_each(|(m, _)| *m = outside);
+    }
     let cell = setting.grid.cell_measure();
     let bias2: Sum = moments
         .iter()
@@ -197,12 +222,12 @@ fn exact(bench: &Bench, source: usize, size: usize, estimator: usize) -> Option<
     })
 }
 
-fn gather_one(
+fn gather_one<const D: usize>(
     experiment: &Experiment,
     estimator: usize,
     records: Vec<Record>,
     exact: Option<Exact>,
-    group: &Group,
+    group: &Group<D>,
 ) -> Outcome {
     let mut outcome = Outcome {
         name: experiment.estimators[estimator].name.clone(),

@@ -47,7 +47,7 @@ fn top() -> Value {
             "replicates" => {
                 json!({ "type": "integer", "minimum": 1, "maximum": super::read::REPLICATES })
             }
-            "grid" => table(whole::GRID),
+            "grid" => grid_schema(),
             "estimator" => {
                 json!({ "type": "array", "minItems": 1, "items": estimator_schema() })
             }
@@ -107,6 +107,20 @@ fn claim_schema() -> Value {
     tagged(form::COMMON, measures.chain(others))
 }
 
+/// A number on a line, a number for each axis or one for both in the plane.
+fn grid_schema() -> Value {
+    let mut schema = table(whole::GRID);
+    for parameter in whole::GRID {
+        let one = schema["properties"][parameter.name].clone();
+        let help = one["description"].clone();
+        schema["properties"][parameter.name] = json!({
+            "description": help,
+            "anyOf": [one, { "type": "array", "minItems": 2, "maxItems": 2, "items": one }],
+        });
+    }
+    schema
+}
+
 fn source_schema() -> Value {
     let alone: Vec<&str> = density::entries()
         .filter(|entry| entry.stands_alone())
@@ -120,9 +134,20 @@ fn source_schema() -> Value {
     });
     let one = json!({ "anyOf": [{ "enum": alone }, tagged(source::NAME, kinds)] });
     let mut file = table(source::FILE);
+    let pair =
+        json!({ "type": "array", "minItems": 2, "maxItems": 2, "items": { "type": "number" } });
     file["properties"]["domain"] = json!({
-        "type": "array", "minItems": 2, "maxItems": 2, "items": { "type": "number" },
         "description": source::DOMAIN,
+        "anyOf": [
+            pair,
+            { "type": "array", "minItems": 2, "maxItems": 2, "items": pair },
+            {
+                "type": "object",
+                "additionalProperties": false,
+                "required": ["vertices"],
+                "properties": { "vertices": { "type": "array", "minItems": 3, "items": pair } },
+            },
+        ],
     });
     json!({ "anyOf": [
         {

@@ -1,6 +1,8 @@
 //! A checked experiment in words: what it resolves to and what it will cost.
 
-use super::{EstimatorSpec, Experiment, FigureKind, SourceSpec, budget, significant};
+use super::{
+    EstimatorSpec, Experiment, FigureKind, GridSpec, Limits, SourceSpec, budget, significant,
+};
 use crate::memory::Bytes;
 use crate::parameter::{Value, Values};
 use std::fmt::Write as _;
@@ -24,11 +26,8 @@ pub fn summary(experiment: &Experiment) -> String {
         "replicates",
         &format!("{}, seed {}", experiment.replicates, experiment.seed),
     );
-    match experiment.grid {
-        Some(grid) => row(
-            "grid",
-            &format!("{} cells from {} to {}", grid.cells, grid.low, grid.high),
-        ),
+    match &experiment.grid {
+        Some(grid) => row("grid", &grid_line(grid)),
         None => row("grid", "chosen from each source"),
     }
     for line in estimator_lines(&experiment.estimators) {
@@ -63,21 +62,40 @@ fn source_line(source: &SourceSpec) -> String {
         }
         SourceSpec::File {
             path,
-            column,
+            columns,
             weight,
             domain,
             ..
         } => {
-            let mut line = format!("{}, column {column}", path.display());
+            let several = if columns.len() > 1 {
+                "columns"
+            } else {
+                "column"
+            };
+            let mut line = format!("{}, {several} {}", path.display(), columns.join(", "));
             if let Some(weight) = weight {
                 let _ = write!(line, ", weights {weight}");
             }
-            if let Some([low, high]) = domain {
-                let _ = write!(line, ", on [{low}, {high}]");
+            match domain {
+                Some(Limits::Box(axes)) => {
+                    let axes = axes.iter().map(|[low, high]| format!("[{low}, {high}]"));
+                    let _ = write!(line, ", on {}", axes.collect::<Vec<_>>().join(" × "));
+                }
+                Some(Limits::Polygon { vertices }) => {
+                    let _ = write!(line, ", in a polygon of {} corners", vertices.len());
+                }
+                None => {}
             }
             line
         }
     }
+}
+
+fn grid_line(grid: &GridSpec) -> String {
+    let cells: Vec<String> = grid.cells.iter().map(usize::to_string).collect();
+    let ends = grid.low.iter().zip(&grid.high);
+    let ends: Vec<String> = ends.map(|(low, high)| format!("{low} to {high}")).collect();
+    format!("{} cells from {}", cells.join(" × "), ends.join(" and "))
 }
 
 /// One line an estimator; one for all members of a sweep.
@@ -162,6 +180,8 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::Sweep { .. } => "sweep",
         FigureKind::Densities {} => "densities",
         FigureKind::Efficiency {} => "efficiency",
+        FigureKind::Maps { .. } => "maps",
+        FigureKind::Section { .. } => "section",
     }
 }
 

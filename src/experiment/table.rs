@@ -50,7 +50,7 @@ impl Table {
 }
 
 /// One row for each source, size, estimator and measure: value, standard error, interval, exact value.
-pub fn summary(results: &Results) -> Table {
+pub fn summary<const D: usize>(results: &Results<D>) -> Table {
     let mut rows = Vec::new();
     for group in &results.groups {
         for outcome in &group.outcomes {
@@ -102,7 +102,7 @@ pub fn exact_counterpart(measure: Measure) -> Option<Measure> {
 }
 
 /// One row for each replicate of each estimator.
-pub fn replicates(results: &Results) -> Table {
+pub fn replicates<const D: usize>(results: &Results<D>) -> Table {
     let mut rows = Vec::new();
     for group in &results.groups {
         for outcome in &group.outcomes {
@@ -145,7 +145,7 @@ pub fn replicates(results: &Results) -> Table {
 const COMPARED: usize = 16;
 
 /// One row for each pair of estimators and error: the paired difference and ratio of means.
-pub fn pairs(results: &Results) -> Table {
+pub fn pairs<const D: usize>(results: &Results<D>) -> Table {
     let mut rows = Vec::new();
     for group in results
         .groups
@@ -211,38 +211,35 @@ fn pair(
 /// One row for each target: the truth, and for each estimator the estimate of the first sample, the mean over replicates, its standard deviation, and the exact mean.
 ///
 /// `first[group][estimator]` are the estimates of each group's first sample.
-pub fn curves(results: &Results, first: &[&[Vec<f64>]]) -> Table {
+pub fn curves<const D: usize>(results: &Results<D>, first: &[&[Vec<f64>]]) -> Table {
     let mut rows = Vec::new();
     for (group, estimates) in results.groups.iter().zip(first) {
         for (outcome, estimate) in group.outcomes.iter().zip(*estimates) {
             let deviation = outcome.tally.deviation();
             for (i, &value) in estimate.iter().enumerate() {
                 let truth = group.truth.as_ref().map(|truth| truth[i]);
-                rows.push(vec![
+                let place = group.grid.centre(i);
+                let mut row = vec![
                     group.name.clone(),
                     group.draws.to_string(),
                     outcome.name.clone(),
-                    digits(Some(group.grid.coordinate(0, i))),
+                ];
+                row.extend(place.map(|coordinate| digits(Some(coordinate))));
+                row.extend([
                     digits(truth),
                     digits(Some(value)),
                     digits(Some(outcome.tally.mean()[i] + truth.unwrap_or(0.0))),
                     digits(deviation.as_ref().map(|d| d[i])),
                     digits(outcome.expected.as_ref().map(|e| e[i])),
                 ]);
+                rows.push(row);
             }
         }
     }
-    let columns = vec![
-        "source",
-        "n",
-        "estimator",
-        "x",
-        "truth",
-        "first_sample",
-        "mean",
-        "deviation",
-        "expected",
-    ];
+    let axes = &["x", "y"][..D.min(2)];
+    let mut columns = vec!["source", "n", "estimator"];
+    columns.extend(axes);
+    columns.extend(["truth", "first_sample", "mean", "deviation", "expected"]);
     Table {
         file: "curves.csv",
         columns,

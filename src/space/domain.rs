@@ -148,6 +148,17 @@ impl<const D: usize> Domain<D> {
             }
     }
 
+    /// The inside of `outline` with walls all round; `None` but in the plane.
+    pub fn bounded(outline: Polygon) -> Option<Self> {
+        let (low, high) = outline.bounds();
+        Some(Self {
+            low: low[..].try_into().ok()?,
+            high: high[..].try_into().ok()?,
+            sides: [[Side::Wall; 2]; D],
+            outline: Some(Arc::new(outline)),
+        })
+    }
+
     /// The polygon that bounds the domain, where it is not a box.
     pub fn outline(&self) -> Option<&Polygon> {
         self.outline.as_deref()
@@ -189,12 +200,6 @@ impl Domain<2> {
 
     /// The inside of `outline` with walls all round.
     pub fn inside(outline: Polygon) -> Self {
-        let (low, high) = outline.bounds();
-        Self {
-            low,
-            high,
-            sides: [[Side::Wall; 2]; 2],
-            outline: Some(Arc::new(outline)),
-        }
+        Self::bounded(outline).expect("a plane has two axes")
     }
 }

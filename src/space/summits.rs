@@ -99,7 +99,7 @@ mod tests {
         );
         // a ring is one summit, a plateau too, and so is a slope up to a wall
         assert_eq!(
-            count(|x, y| normal_density(8.0 * (x.hypot(y) - 2.0)).round()),
+            count(|x, y| (2.0 * normal_density(8.0 * (x.hypot(y) - 2.0))).round()),
             1
         );
         assert_eq!(count(|_, _| 1.0), 1);

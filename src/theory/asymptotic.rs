@@ -18,15 +18,17 @@ pub enum NoAsymptotics {
     Slope,
 }
 
-/// AMISE(h) = c₂ h² + c₄ h⁴ + v / h, and where it is least.
+/// AMISE(h) = c₂ h² + c₄ h⁴ + v / hᵈ in d dimensions, and where it is least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymptotic {
     /// c₂: what bins add to the integrated squared bias.
     second: f64,
     /// c₄: what smoothing adds to it.
     fourth: f64,
-    /// v: the integrated variance times h.
+    /// v: the integrated variance times hᵈ.
     variance: f64,
+    /// d.
+    dimensions: i32,
 }
 
 /// `roughness`, or why it is of no use.
@@ -51,6 +53,20 @@ impl Asymptotic {
             second: 0.0,
             fourth: 0.25 * variance_of_kernel.powi(2) * curvature,
             variance: roughness_of_kernel / draws,
+            dimensions: 1,
+        })
+    }
+
+    /// h⁴ μ₂² R(Δf)/4 + R(K)/(n h²) in the plane, the bandwidth being the same on both axes. [Wand & Jones 1995, section 4.3]
+    pub(super) fn of_plane_kernel(
+        variance_of_kernel: f64,
+        roughness_of_kernel: f64,
+        curvature: f64,
+        draws: f64,
+    ) -> Result<Self, NoAsymptotics> {
+        Ok(Self {
+            dimensions: 2,
+            ..Self::of_kernel(variance_of_kernel, roughness_of_kernel, curvature, draws)?
         })
     }
 
@@ -60,6 +76,7 @@ impl Asymptotic {
             second: finite(slope, NoAsymptotics::Slope)? / 12.0,
             fourth: 0.0,
             variance: 1.0 / draws,
+            dimensions: 1,
         })
     }
 
@@ -76,6 +93,7 @@ impl Asymptotic {
             second: per * finite(slope, NoAsymptotics::Slope)? / 12.0,
             fourth: smoothing * finite(curvature, NoAsymptotics::Curvature)? / 144.0,
             variance: 2.0 * (1.0 + 0.5 * per) / (3.0 * draws),
+            dimensions: 1,
         })
     }
 
@@ -85,6 +103,7 @@ impl Asymptotic {
             second: 0.0,
             fourth: 49.0 * finite(curvature, NoAsymptotics::Curvature)? / 2880.0,
             variance: 2.0 / (3.0 * draws),
+            dimensions: 1,
         })
     }
 
@@ -92,12 +111,17 @@ impl Asymptotic {
     pub fn at(&self, h: f64) -> Integrated {
         Integrated {
             squared_bias: self.second * h.powi(2) + self.fourth * h.powi(4),
-            variance: self.variance / h,
+            variance: self.variance / h.powi(self.dimensions),
         }
     }
 
     /// Where their sum is least: 2 c₂ h³ + 4 c₄ h⁵ = v.
     pub fn best(&self) -> f64 {
+        if self.dimensions != 1 {
+            // only kernels, whose c₂ is 0: 4 c₄ h⁴⁺ᵈ = d v
+            let d = f64::from(self.dimensions);
+            return (0.25 * d * self.variance / self.fourth).powf(1.0 / (4.0 + d));
+        }
         let alone = [
             (0.5 * self.variance / self.second).cbrt(),
             (0.25 * self.variance / self.fourth).powf(0.2),

@@ -1,7 +1,7 @@
 //! Families of estimates that differ in how much they smooth, and the member that is best.
 
-use super::{Asymptotic, HistogramError, KernelError, NoAsymptotics, Optimum};
-use crate::density::Univariate;
+use super::{Asymptotic, HistogramError, KernelError, NoAsymptotics, Optimum, kernel_oracle};
+use crate::density::{Density, Univariate};
 use crate::kernel::{Kernel, Shape};
 
 /// All that an estimator is but for its bandwidth or width, where the exact error of each member is known.
@@ -35,6 +35,17 @@ impl Family {
             Self::FrequencyPolygon { origin } => {
                 HistogramError::polygon(truth, origin).optimum(draws)
             }
+        }
+    }
+
+    /// The same for a density on a line or in the plane; `None` where the exact error is not known.
+    pub fn optimum_of<const D: usize>(self, truth: &dyn Density<D>, draws: f64) -> Option<Optimum> {
+        if let Some(line) = truth.univariate() {
+            return Some(self.optimum(line, draws));
+        }
+        match self {
+            Self::Kernel(shape) => kernel_oracle(truth, shape, draws).map(|oracle| oracle.optimum),
+            _ => None,
         }
     }
 

@@ -9,6 +9,7 @@
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
 //! | the best bandwidth or width | [`KernelError::optimum`], [`HistogramError::optimum`] |
 //! | the same of all that an estimator is but for its width | [`Family`] |
+//! | errors in the plane, for normal mixtures and the Gaussian kernel | [`PlaneKernelError`], [`plane_kernel_moments`] |
 //! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
 //!
 //! # What is exact
@@ -31,6 +32,7 @@ mod histogram;
 mod integrated;
 mod kernel;
 mod optimum;
+mod plane;
 mod pointwise;
 
 pub use asymptotic::{Asymptotic, NoAsymptotics};
@@ -40,6 +42,7 @@ pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;
 pub use optimum::{Optimum, Oracle};
+pub use plane::{PlaneKernelError, kernel_oracle, plane_kernel_moments};
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
 
 /// Mean and variance of an estimate at one place, over samples.

@@ -9,7 +9,7 @@ mod schema;
 use changed::CHANGED;
 use density_lab::estimator::Context;
 use density_lab::experiment::{
-    EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Measure, SourceSpec, Statement, read,
+    EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Limits, Measure, SourceSpec, Statement, read,
     summary,
 };
 use density_lab::parameter::Value;
@@ -75,9 +75,9 @@ fn a_file_resolves_to_checked_values_with_defaults_filled_in() {
     assert_eq!(
         experiment.grid,
         Some(GridSpec {
-            low: -4.0,
-            high: 4.0,
-            cells: 512
+            low: vec![-4.0],
+            high: vec![4.0],
+            cells: vec![512]
         })
     );
     let SourceSpec::Density { name, kind, .. } = &experiment.sources[0] else {
@@ -211,7 +211,7 @@ modes = {{ of = "kernel, silverman", equals = 2, margin = 0.5 }}
         panic!("a file")
     };
     assert_eq!(name, "old_faithful_107");
-    assert_eq!(*domain, Some([0.0, f64::INFINITY]));
+    assert_eq!(*domain, Some(Limits::Box(vec![[0.0, f64::INFINITY]])));
     assert_eq!(
         *hash,
         blake3::hash(&fs::read(path).unwrap()).to_hex().to_string()
@@ -454,7 +454,7 @@ fn data_without_spread_are_refused_where_a_rule_wants_one() {
 
 #[test]
 fn one_estimator_is_read_with_or_without_braces() {
-    let context = Context {
+    let context: Context<1> = Context {
         truth: None,
         draws: 10,
     };

@@ -16,7 +16,7 @@ pub(super) mod room;
 pub(super) mod smooth;
 pub(super) mod square;
 
-pub use mixture::{PlaneComponent, PlaneMixture, PlaneMixtureError};
+pub use mixture::{NormalAt, PlaneComponent, PlaneMixture, PlaneMixtureError, normal_at};
 pub use product::Product;
 pub use room::Room;
 pub use smooth::Smooth;

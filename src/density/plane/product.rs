@@ -99,6 +99,10 @@ impl Bivariate for Product {
         ddf * g + f * ddg + 2.0 * df * dg
     }
 
+    fn factors(&self) -> Option<[&dyn Univariate; 2]> {
+        Some([&*self.factors[0], &*self.factors[1]])
+    }
+
     fn mean_and_covariance(&self) -> (Point<2>, [[f64; 2]; 2]) {
         let [a, b] = self.each(|factor, _| factor.mean_and_deviation().0);
         let [s, t] = self.each(|factor, _| factor.mean_and_deviation().1);

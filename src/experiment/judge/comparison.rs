@@ -1,6 +1,5 @@
 //! Claims that compare errors: with each other, with a value, with theory.
 
-use super::optimum::best_of_family;
 use super::short;
 use crate::accuracy::{Interval, compare, lower_bound, sidak};
 use crate::experiment::Measure;
@@ -9,8 +8,8 @@ use crate::experiment::run::Bench;
 use crate::experiment::table::exact_counterpart;
 use crate::random;
 
-pub(super) fn below_by(
-    group: &Group,
+pub(super) fn below_by<const D: usize>(
+    group: &Group<D>,
     measure: Measure,
     (of, below): (&str, &str),
     by: f64,
@@ -53,9 +52,9 @@ pub(super) fn below_by(
     Some((bound > 0.0, detail))
 }
 
-pub(super) fn equal(
-    bench: &Bench,
-    group: &Group,
+pub(super) fn equal<const D: usize>(
+    bench: &Bench<D>,
+    group: &Group<D>,
     measure: Measure,
     (of, over): (&str, Option<&str>),
     (equals, margin): (f64, f64),
@@ -104,8 +103,8 @@ pub(super) fn equal(
 }
 
 /// One outcome's measure over another's, paired where both are simulated: lower end, value, upper end.
-fn ratio(
-    group: &Group,
+fn ratio<const D: usize>(
+    group: &Group<D>,
     measure: Measure,
     a: &Outcome,
     b: &Outcome,
@@ -126,14 +125,19 @@ fn ratio(
 }
 
 /// The least MISE that any bandwidth or width gives an estimator here, by theory.
-fn least_mise(bench: &Bench, group: &Group, of: &str) -> Option<f64> {
+fn least_mise<const D: usize>(bench: &Bench<D>, group: &Group<D>, of: &str) -> Option<f64> {
     let estimators = &bench.experiment().estimators;
     let number = estimators.iter().position(|spec| spec.name == of)?;
-    Some(best_of_family(bench, group, number)?.error.mise())
+    Some(
+        bench
+            .best_of_family(group.source, group.size, number)?
+            .error
+            .mise(),
+    )
 }
 
-pub(super) fn agrees(
-    group: &Group,
+pub(super) fn agrees<const D: usize>(
+    group: &Group<D>,
     measure: Measure,
     of: &[String],
     confidence: f64,

@@ -60,14 +60,14 @@ impl Verdict {
 }
 
 /// Judges every claim.
-pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
+pub fn judge<const D: usize>(bench: &Bench<D>, results: &Results<D>) -> Vec<Verdict> {
     let experiment = bench.experiment();
     experiment
         .claims
         .iter()
         .enumerate()
         .map(|(number, claim)| {
-            let groups: Vec<&Group> = results
+            let groups: Vec<&Group<D>> = results
                 .groups
                 .iter()
                 .filter(|group| concerns(claim, group))
@@ -88,7 +88,7 @@ pub fn judge(bench: &Bench, results: &Results) -> Vec<Verdict> {
 }
 
 /// The numbers of a claim in words: of each group, or of those where it fails and one other where there are many.
-fn summarise(rulings: &[(bool, String)], groups: &[&Group]) -> String {
+fn summarise<const D: usize>(rulings: &[(bool, String)], groups: &[&Group<D>]) -> String {
     const MANY: usize = 3;
     if let [(_, detail)] = rulings {
         return detail.clone();
@@ -117,7 +117,7 @@ fn summarise(rulings: &[(bool, String)], groups: &[&Group]) -> String {
     )
 }
 
-fn concerns(claim: &Claim, group: &Group) -> bool {
+fn concerns<const D: usize>(claim: &Claim, group: &Group<D>) -> bool {
     claim.draws.is_none_or(|draws| draws == group.draws)
         && claim
             .source
@@ -125,11 +125,11 @@ fn concerns(claim: &Claim, group: &Group) -> bool {
             .is_none_or(|source| *source == group.name)
 }
 
-fn judge_one(
-    bench: &Bench,
+fn judge_one<const D: usize>(
+    bench: &Bench<D>,
     number: usize,
     claim: &Claim,
-    (group, groups): (&Group, usize),
+    (group, groups): (&Group<D>, usize),
 ) -> (bool, String) {
     let experiment = bench.experiment();
     if let Some(reason) = without_grounds(&claim.statement, group) {
@@ -198,7 +198,7 @@ fn judge_one(
 }
 
 /// Why a claim cannot be shown by these results, whatever their values.
-fn without_grounds(statement: &Statement, group: &Group) -> Option<String> {
+fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> Option<String> {
     let (measure, paired) = match statement {
         Statement::Below { measure, .. } => (*measure, true),
         Statement::Equals { measure, over, .. } => (

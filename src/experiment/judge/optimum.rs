@@ -5,11 +5,10 @@ use crate::experiment::results::Group;
 use crate::experiment::run::Bench;
 use crate::experiment::{Experiment, Measure};
 use crate::kernel::Shape;
-use crate::theory::{self, Optimum};
 
-pub(super) fn best_is_near(
-    bench: &Bench,
-    group: &Group,
+pub(super) fn best_is_near<const D: usize>(
+    bench: &Bench<D>,
+    group: &Group<D>,
     of: &str,
     within: f64,
 ) -> Option<(bool, String)> {
@@ -20,7 +19,7 @@ pub(super) fn best_is_near(
         .estimators
         .iter()
         .position(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == of))?;
-    let exact = best_of_family(bench, group, first)?.at;
+    let exact = bench.best_of_family(group.source, group.size, first)?.at;
     let apart = (simulated / exact - 1.0).abs();
     let detail = format!(
         "simulated optimum {}, exact {}: {} % apart",
@@ -31,17 +30,10 @@ pub(super) fn best_is_near(
     Some((apart <= within, detail))
 }
 
-/// The best of all estimators here that differ from the one of this number in their bandwidth or width alone, by theory.
-pub(super) fn best_of_family(bench: &Bench, group: &Group, number: usize) -> Option<Optimum> {
-    let estimator = &bench.setting(group.source, group.size).estimators[number];
-    let truth = bench.truth(group.source)?;
-    Some(estimator.family()?.optimum(&**truth, group.draws as f64))
-}
-
 /// (parameter, value) of a measure along a sweep, ascending.
-pub fn swept(
+pub fn swept<const D: usize>(
     experiment: &Experiment,
-    group: &Group,
+    group: &Group<D>,
     of: &str,
     measure: Measure,
 ) -> Vec<(f64, f64)> {
@@ -78,17 +70,15 @@ fn lowest(curve: &[(f64, f64)]) -> Option<(f64, f64)> {
     ))
 }
 
-pub(super) fn oracle(
-    bench: &Bench,
-    group: &Group,
+pub(super) fn oracle<const D: usize>(
+    bench: &Bench<D>,
+    group: &Group<D>,
     quantity: &str,
     kernel: &str,
     equals: f64,
     digits: u32,
 ) -> Option<(bool, String)> {
-    let truth = bench.truth(group.source)?;
-    let oracle =
-        theory::KernelError::new(&**truth, Shape::named(kernel)?).oracle(group.draws as f64);
+    let oracle = bench.oracle(group.source, Shape::named(kernel)?, group.draws)?;
     let best = &oracle.optimum;
     let asymptotic = oracle.asymptotic.ok();
     let found = match quantity {

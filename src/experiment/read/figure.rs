@@ -16,6 +16,8 @@ pub(crate) struct Form {
     truth: bool,
     /// Whether it shows something over replicates.
     replicates: bool,
+    /// The number of dimensions that it is for, if not for all.
+    only: Option<usize>,
     title: &'static str,
 }
 
@@ -40,6 +42,7 @@ pub(crate) const FORMS: &[Form] = &[
         ],
         truth: false,
         replicates: false,
+        only: Some(1),
         title: "Estimates",
     },
     Form {
@@ -53,6 +56,7 @@ pub(crate) const FORMS: &[Form] = &[
         )],
         truth: true,
         replicates: true,
+        only: None,
         title: "Errors",
     },
     Form {
@@ -61,6 +65,7 @@ pub(crate) const FORMS: &[Form] = &[
         parameters: &[],
         truth: false,
         replicates: true,
+        only: None,
         title: "Number of modes",
     },
     Form {
@@ -83,6 +88,7 @@ pub(crate) const FORMS: &[Form] = &[
         ],
         truth: true,
         replicates: true,
+        only: None,
         title: "Error against smoothing",
     },
     Form {
@@ -91,6 +97,7 @@ pub(crate) const FORMS: &[Form] = &[
         parameters: &[],
         truth: true,
         replicates: false,
+        only: Some(1),
         title: "Densities",
     },
     Form {
@@ -99,7 +106,44 @@ pub(crate) const FORMS: &[Form] = &[
         parameters: &[],
         truth: true,
         replicates: true,
+        only: Some(1),
         title: "Efficiency",
+    },
+    Form {
+        name: "maps",
+        summary: "densities of the plane as colours: the truth, estimates of the first sample, their mean, its error",
+        parameters: &[
+            Parameter::optional(
+                "show",
+                Kind::Choices(&["truth", "sample", "mean", "error"]),
+                Absent::Unset,
+                "what is drawn: the truth, the estimates of the first sample, their mean over replicates, that mean less the truth; by default truth (where known) and sample",
+            ),
+            Parameter::optional(
+                "levels",
+                Kind::Flag,
+                Absent::Flag(false),
+                "lines at round values over the colours",
+            ),
+        ],
+        truth: false,
+        replicates: false,
+        only: Some(2),
+        title: "Maps",
+    },
+    Form {
+        name: "section",
+        summary: "estimates of the first sample and the truth along a straight line through the plane",
+        parameters: &[
+            Parameter::required("from-x", Kind::Real, "where the line begins, first axis"),
+            Parameter::required("from-y", Kind::Real, "where the line begins, second axis"),
+            Parameter::required("to-x", Kind::Real, "where the line ends, first axis"),
+            Parameter::required("to-y", Kind::Real, "where the line ends, second axis"),
+        ],
+        truth: false,
+        replicates: false,
+        only: Some(2),
+        title: "Cross-section",
     },
 ];
 
@@ -168,6 +212,23 @@ pub(super) fn figure(
         form.truth,
         form.replicates,
     );
+    if let (Some(only), Some(dimensions)) = (form.only, setting.dimensions)
+        && only != dimensions
+    {
+        let place = if only == 1 {
+            "on a line"
+        } else {
+            "in the plane"
+        };
+        reader.report(
+            Problem::at(
+                entry.key_span(),
+                format!("the figure `{}` is for densities {place}", form.name),
+            )
+            .allowed(listed(&kinds_in(dimensions))),
+        );
+        return None;
+    }
     let mut settings = reader.table(entry.item, &format!("`{}`", form.name))?;
     settings.span = entry.key_span();
     let located = value::values(
@@ -193,6 +254,12 @@ pub(super) fn figure(
         draws,
         kind,
     })
+}
+
+/// The kinds of figure in so many dimensions.
+fn kinds_in(dimensions: usize) -> Vec<&'static str> {
+    let fits = |form: &&Form| form.only.is_none_or(|only| only == dimensions);
+    FORMS.iter().filter(fits).map(|form| form.name).collect()
 }
 
 /// The one key that says what the figure is.
@@ -301,8 +368,50 @@ fn resolve(
         }
         "densities" => Some(FigureKind::Densities {}),
         "efficiency" => Some(FigureKind::Efficiency {}),
+        "maps" => maps(reader, located, setting),
+        "section" => {
+            let end = |x, y| Some([values.number(x)?, values.number(y)?]);
+            let (from, to) = (end("from-x", "from-y")?, end("to-x", "to-y")?);
+            if (0..2).all(|k| from[k] - to[k] == 0.0) {
+                reader.report(Problem::at(
+                    located.place("to-x"),
+                    "the line ends where it begins",
+                ));
+                return None;
+            }
+            Some(FigureKind::Section { from, to })
+        }
         _ => None,
     }
+}
+
+fn maps(reader: &mut Reader, located: &Located, setting: &Setting<'_>) -> Option<FigureKind> {
+    let mut show = located.values.words("show").to_vec();
+    if !located.given("show") {
+        if setting.truth != Some(false) {
+            show.push("truth".to_owned());
+        }
+        show.push("sample".to_owned());
+    } else if show.is_empty() {
+        reader.report(
+            Problem::at(located.place("show"), "`show` is an empty list")
+                .allowed("at least one of `truth`, `sample`, `mean`, `error`"),
+        );
+        return None;
+    }
+    for word in &show {
+        setting.demand(
+            reader,
+            &located.place("show"),
+            &format!("`{word}`"),
+            word == "truth" || word == "error",
+            word == "mean" || word == "error",
+        );
+    }
+    Some(FigureKind::Maps {
+        show,
+        levels: located.values.flag("levels").unwrap_or(false),
+    })
 }
 
 fn made_title(form: &Form, values: &Values) -> String {

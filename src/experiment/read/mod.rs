@@ -37,12 +37,12 @@ pub(crate) mod whole;
 
 pub use problem::{Problem, Problems, Span};
 
+use super::catalogue::{Builds, Entry};
 use super::{EstimatorSpec, Experiment};
-use crate::density::Univariate;
+use crate::density::Truth;
 use crate::estimator::{Context, Estimator};
 use node::Reader;
 use std::path::Path;
-use std::sync::Arc;
 
 /// The largest experiment file, in bytes.
 pub const LARGEST: usize = 8 << 20;
@@ -92,18 +92,21 @@ pub fn experiment_text(text: &str, origin: &Path) -> Result<Experiment, Problems
 /// # Errors
 /// With everything that is wrong, located in `text` under the name `origin`.
 pub fn estimator(text: &str, origin: &str) -> Result<EstimatorSpec, Problems> {
-    single::estimator(text, origin, None).map(|(spec, _)| spec)
+    single::estimator::<1>(text, origin, None).map(|(spec, _)| spec)
 }
 
 /// Reads one estimator and builds it, so that settings that do not go together are located too.
 ///
 /// # Errors
 /// As [`estimator`], and if it cannot be built in `context`.
-pub fn estimator_in(
+pub fn estimator_in<const D: usize>(
     text: &str,
     origin: &str,
-    context: &Context<1>,
-) -> Result<(EstimatorSpec, Box<dyn Estimator<1>>), Problems> {
+    context: &Context<D>,
+) -> Result<(EstimatorSpec, Box<dyn Estimator<D>>), Problems>
+where
+    Entry: Builds<D>,
+{
     let (spec, built) = single::estimator(text, origin, Some(context))?;
     let built = built.ok_or_else(|| Problems::whole(origin, "the estimator was not built"))?;
     Ok((spec, built))
@@ -113,6 +116,6 @@ pub fn estimator_in(
 ///
 /// # Errors
 /// With everything that is wrong, located in `text` under the name `origin`.
-pub fn density(text: &str, origin: &str) -> Result<Arc<dyn Univariate>, Problems> {
+pub fn density(text: &str, origin: &str) -> Result<Truth, Problems> {
     single::density(text, origin)
 }

@@ -13,6 +13,8 @@ pub(super) struct Setting<'s> {
     pub(super) sources: Option<Vec<&'s str>>,
     pub(super) draws: Option<&'s [usize]>,
     pub(super) replicates: Option<usize>,
+    /// 1 on a line, 2 in the plane.
+    pub(super) dimensions: Option<usize>,
     /// Whether the truth is known.
     pub(super) truth: Option<bool>,
     /// The least ∫f² of the sources, where they are known: the error of an estimate that is zero everywhere.

@@ -5,22 +5,25 @@ use super::node::{Reader, Table};
 use super::problem::{Problem, Problems, Span};
 use super::source;
 use super::{document, trial::try_to_build};
-use crate::density::Univariate;
+use crate::density::Truth;
 use crate::estimator::{Context, Estimator};
 use crate::experiment::EstimatorSpec;
-use std::sync::Arc;
+use crate::experiment::catalogue::{Builds, Entry};
 
 /// A value needs a key to be a document; spans are moved back afterwards.
 const KEY: &str = "estimator=";
 
-pub(super) type Single = (EstimatorSpec, Option<Box<dyn Estimator<1>>>);
+pub(super) type Single<const D: usize> = (EstimatorSpec, Option<Box<dyn Estimator<D>>>);
 
 /// Reads one estimator, and builds it if there is a context.
-pub(super) fn estimator(
+pub(super) fn estimator<const D: usize>(
     text: &str,
     origin: &str,
-    context: Option<&Context<1>>,
-) -> Result<Single, Problems> {
+    context: Option<&Context<D>>,
+) -> Result<Single<D>, Problems>
+where
+    Entry: Builds<D>,
+{
     let mut reader = Reader::default();
     let inline = text.trim_start().starts_with('{');
     let wrapped = if inline {
@@ -76,7 +79,7 @@ pub(super) fn estimator(
 }
 
 /// Reads one density with its parameters: `{ beta = { a = 2, b = 3 } }`, the outer braces may be missing.
-pub(super) fn density(text: &str, origin: &str) -> Result<Arc<dyn Univariate>, Problems> {
+pub(super) fn density(text: &str, origin: &str) -> Result<Truth, Problems> {
     let (before, after) = if text.trim_start().starts_with('{') {
         ("density=", "")
     } else {

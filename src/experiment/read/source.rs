@@ -3,23 +3,52 @@
 use super::node::{Entry, Item, Reader, Table, found};
 use super::problem::{Problem, Span, printable};
 use super::value;
-use crate::density::{self, Truth, Univariate};
-use crate::experiment::SourceSpec;
+use crate::density::{self, Truth};
+use crate::experiment::{Limits, SourceSpec};
 use crate::parameter::{Absent, Kind, Parameter, Values, listed, nearest};
 use crate::sample::Sample;
 use crate::sample::file::{self, Column, Request};
-use crate::space::{Domain, Side};
+use crate::space::Polygon;
 use std::path::Path;
-use std::sync::Arc;
 use toml::de::DeValue;
 
 /// A source with what the checks of the rest need to know of it.
 pub(super) struct Read {
     pub(super) spec: SourceSpec,
-    pub(super) truth: Option<Arc<dyn Univariate>>,
+    pub(super) truth: Option<Truth>,
     /// The data of a file.
-    pub(super) sample: Option<Sample<1>>,
+    pub(super) sample: Option<Data>,
     pub(super) span: Span,
+}
+
+/// The data of a file.
+pub(super) enum Data {
+    Line(Sample<1>),
+    Plane(Sample<2>),
+}
+
+/// Data of `D` dimensions.
+pub(super) trait Holds<const D: usize> {
+    /// The data, if they have as many.
+    fn sample(&self) -> Option<&Sample<D>>;
+}
+
+impl Holds<1> for Data {
+    fn sample(&self) -> Option<&Sample<1>> {
+        match self {
+            Self::Line(sample) => Some(sample),
+            Self::Plane(_) => None,
+        }
+    }
+}
+
+impl Holds<2> for Data {
+    fn sample(&self) -> Option<&Sample<2>> {
+        match self {
+            Self::Plane(sample) => Some(sample),
+            Self::Line(_) => None,
+        }
+    }
 }
 
 /// What a density may be told beside its kind.
@@ -40,7 +69,7 @@ pub(crate) const FILE: &[Parameter] = &[
     Parameter::required(
         "columns",
         Kind::Texts,
-        "the column of the data: its name in the header, or its number from 1",
+        "the column of the data, or the two columns of data in the plane: names in the header, or numbers from 1",
     ),
     Parameter::optional(
         "weight",
@@ -57,7 +86,7 @@ pub(crate) const FILE: &[Parameter] = &[
 ];
 
 /// What `domain` means.
-pub(crate) const DOMAIN: &str = "where the data can lie: [low, high], infinite where there is no wall; the whole line by default";
+pub(crate) const DOMAIN: &str = "where the data can lie: [low, high], infinite where there is no wall; in the plane [[low, high], [low, high]] or { vertices = [[x, y], ..] }; without walls by default";
 
 const FORMS: &str = "{ density = \"NAME\" }, { density = { KIND = { .. } } }, { density = [ .. ] } or { file = \"PATH\", columns = [\"NAME\"] }";
 
@@ -133,6 +162,24 @@ fn densities(reader: &mut Reader, item: &Item<'_>) -> Option<Vec<Read>> {
                 .help("tell them apart: { name = \"..\", KIND = { .. } }"),
             );
         }
+    }
+    let dimensions = |source: &Read| source.spec.dimensions();
+    if let Some(other) = read[1..]
+        .iter()
+        .find(|other| dimensions(other) != dimensions(&read[0]))
+    {
+        sound = false;
+        reader.report(
+            Problem::at(
+                other.span.clone(),
+                format!(
+                    "\"{}\" and \"{}\" are not both on a line or both in the plane",
+                    read[0].spec.name(),
+                    other.spec.name()
+                ),
+            )
+            .help("give each an experiment of its own"),
+        );
     }
     sound.then_some(read)
 }
@@ -251,14 +298,7 @@ fn build(
     span: Span,
 ) -> Option<Read> {
     match entry.build(&values) {
-        Ok(Truth::Plane(_)) => {
-            reader.report(Problem::at(
-                span,
-                format!("the density \"{name}\" is one of the plane; experiments are on a line"),
-            ));
-            None
-        }
-        Ok(Truth::Line(truth)) => Some(Read {
+        Ok(truth) => Some(Read {
             spec: SourceSpec::Density {
                 name: name.to_owned(),
                 kind: entry.names[0].to_owned(),
@@ -287,17 +327,17 @@ fn data(
         .take("name")
         .map(|entry| reader.name(entry.item, "the name of a source"));
     let columns = table.need(reader, "columns", "for instance: columns = [\"minutes\"]");
-    let column = columns.and_then(|entry| {
+    let columns = columns.and_then(|entry| {
         let list = value::texts(reader, entry.item, "`columns`")?;
-        if let [(column, span)] = &list[..] {
-            return Some((column.clone(), span.clone()));
+        if (1..=2).contains(&list.len()) {
+            return Some(list);
         }
         reader.report(
             Problem::at(
                 entry.item.span(),
-                format!("{} columns: these estimators work on a line", list.len()),
+                format!("{} columns: data are on a line or in the plane", list.len()),
             )
-            .allowed("one column"),
+            .allowed("one column or two"),
         );
         None
     });
@@ -315,25 +355,25 @@ fn data(
         .collect();
     let domain_entry = table.take("domain");
     let domain = match domain_entry {
-        Some(entry) => Some(domain(reader, entry.item)?),
+        Some(entry) => {
+            let axes = columns.as_ref().map_or(1, Vec::len);
+            Some((domain(reader, entry.item, axes)?, entry.item.span()))
+        }
         None => None,
     };
     if table.finish(reader, &allowed) {
         return None;
     }
-    let (path, (column, column_span)) = (folder.join(path?), column?);
+    let (path, columns) = (folder.join(path?), columns?);
     let name = match name {
         Some(name) => name?,
         None => path.file_stem()?.to_string_lossy().into_owned(),
     };
-    let limits = domain.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let whole = Domain::new([limits[0]], [limits[1]], [limits.map(side)]).ok()?;
-    let request = Request {
-        columns: [Column::Named(&column)],
-        weight: weight.as_ref().map(|(text, _)| text.as_str()),
-        domain: whole,
-    };
+    let (names, spans): (Vec<String>, Vec<Span>) = columns.into_iter().unzip();
+    let weight = weight.map(|(text, _)| text);
     let place = entry.item.span();
+    let (limits, domain_span) =
+        domain.map_or((None, place.clone()), |(limits, span)| (Some(limits), span));
     let read = hash(&path)
         .map_err(|error| {
             (
@@ -341,18 +381,42 @@ fn data(
                 format!("cannot read {}: {error}", path.display()),
             )
         })
-        .and_then(|hash| match file::read(&path, &request) {
-            Ok(sample) => Ok((hash, sample)),
-            Err(error) => Err((column_span, error.to_string())),
+        .and_then(|hash| {
+            let limits = limits.as_ref();
+            let within = |what| (domain_span, what);
+            let data = match &names[..] {
+                [x] => file::read(
+                    &path,
+                    &Request {
+                        columns: [Column::Named(x)],
+                        weight: weight.as_deref(),
+                        domain: Limits::domain(limits).map_err(within)?,
+                    },
+                )
+                .map(Data::Line),
+                names => file::read(
+                    &path,
+                    &Request {
+                        columns: [0, 1].map(|axis: usize| Column::Named(&names[axis])),
+                        weight: weight.as_deref(),
+                        domain: Limits::domain(limits).map_err(within)?,
+                    },
+                )
+                .map(Data::Plane),
+            };
+            match data {
+                Ok(data) => Ok((hash, data)),
+                Err(error) => Err((spans[0].clone(), error.to_string())),
+            }
         });
     match read {
         Ok((hash, sample)) => Some(Read {
             spec: SourceSpec::File {
                 name,
                 path,
-                column,
-                weight: weight.map(|(text, _)| text),
-                domain,
+                columns: names,
+                weight,
+                domain: limits,
                 hash,
             },
             truth: None,
@@ -366,34 +430,62 @@ fn data(
     }
 }
 
-/// A density stops at a finite limit and goes on at an infinite one.
-fn side(limit: f64) -> Side {
-    if limit.is_finite() {
-        Side::Wall
-    } else {
-        Side::Open
+/// `[low, high]` on a line; `[[low, high], [low, high]]` or `{ vertices = [[x, y], ..] }` in the plane.
+fn domain(reader: &mut Reader, item: &Item<'_>, axes: usize) -> Option<Limits> {
+    if axes == 1 {
+        return limits(reader, item).map(|limits| Limits::Box(vec![limits]));
     }
-}
-
-fn domain(reader: &mut Reader, item: &Item<'_>) -> Option<[f64; 2]> {
-    const EXPECTED: &str = "[low, high] with low < high, -inf and inf where there is no wall";
+    if item.get_ref().is_table() {
+        let mut table = reader.table(item, "`domain`")?;
+        let entry = table.need(
+            reader,
+            "vertices",
+            "for instance: { vertices = [[0, 0], [1, 0], [0, 1]] }",
+        )?;
+        if table.finish(reader, &["vertices"]) {
+            return None;
+        }
+        let DeValue::Array(list) = entry.item.get_ref() else {
+            reader.wrong_type(entry.item, "`vertices`", "a list of [x, y]");
+            return None;
+        };
+        let corner = |item: &Item<'_>| {
+            pair(
+                reader,
+                item,
+                "each of `vertices`",
+                "two finite numbers [x, y]",
+            )
+        };
+        let vertices: Vec<Option<[f64; 2]>> = list.iter().map(corner).collect();
+        let vertices: Vec<[f64; 2]> = vertices.into_iter().collect::<Option<_>>()?;
+        if let Err(error) = Polygon::new(vertices.clone()) {
+            reader.report(Problem::at(entry.item.span(), error.to_string()));
+            return None;
+        }
+        return Some(Limits::Polygon { vertices });
+    }
+    const EXPECTED: &str =
+        "[[low, high], [low, high]], the limits of each axis, or { vertices = [[x, y], ..] }";
     let DeValue::Array(list) = item.get_ref() else {
         reader.wrong_type(item, "`domain`", EXPECTED);
         return None;
     };
-    let [low, high] = &list[..] else {
+    if list.len() != axes || list.iter().any(|item| !item.get_ref().is_array()) {
         reader.report(
-            Problem::at(
-                item.span(),
-                format!("`domain` must be two numbers, not {}", list.len()),
-            )
-            .allowed(EXPECTED),
+            Problem::at(item.span(), "`domain` must give the limits of both axes")
+                .allowed(EXPECTED),
         );
         return None;
-    };
-    let low = reader.number(low, "the lower end of `domain`", "a number or -inf");
-    let high = reader.number(high, "the upper end of `domain`", "a number or inf");
-    let (low, high) = (low?.real(), high?.real());
+    }
+    let both: Vec<Option<[f64; 2]>> = list.iter().map(|item| limits(reader, item)).collect();
+    both.into_iter().collect::<Option<_>>().map(Limits::Box)
+}
+
+/// The limits of one axis.
+fn limits(reader: &mut Reader, item: &Item<'_>) -> Option<[f64; 2]> {
+    const EXPECTED: &str = "[low, high] with low < high, -inf and inf where there is no wall";
+    let [low, high] = pair(reader, item, "`domain`", EXPECTED)?;
     if low.is_nan() || high.is_nan() || low >= high {
         reader.report(
             Problem::at(
@@ -405,6 +497,26 @@ fn domain(reader: &mut Reader, item: &Item<'_>) -> Option<[f64; 2]> {
         return None;
     }
     Some([low, high])
+}
+
+fn pair(reader: &mut Reader, item: &Item<'_>, what: &str, expected: &str) -> Option<[f64; 2]> {
+    let DeValue::Array(list) = item.get_ref() else {
+        reader.wrong_type(item, what, expected);
+        return None;
+    };
+    let [low, high] = &list[..] else {
+        reader.report(
+            Problem::at(
+                item.span(),
+                format!("{what} must be two numbers, not {}", list.len()),
+            )
+            .allowed(expected),
+        );
+        return None;
+    };
+    let low = reader.number(low, &format!("the lower end of {what}"), "a number or -inf");
+    let high = reader.number(high, &format!("the upper end of {what}"), "a number or inf");
+    Some([low?.real(), high?.real()])
 }
 
 /// The BLAKE3 hash of the file's bytes.

@@ -5,10 +5,12 @@ use super::node::Reader;
 use super::problem::{Problem, printable};
 use super::setting::Known;
 use super::source;
+use super::source::{Data, Holds};
 use crate::density::Density;
 use crate::estimator::Context;
 use crate::experiment::EstimatorSpec;
-use crate::experiment::catalogue::{self, Builds, Built};
+use crate::experiment::catalogue::{self, Builds, Built, Entry};
+use crate::random;
 use crate::sample::Sample;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,8 +25,29 @@ pub(super) fn try_building(
 ) -> BTreeMap<String, Known> {
     let mut theory = BTreeMap::new();
     for source in sources {
+        match source.spec.dimensions() {
+            1 => try_source::<1>(reader, groups, source, draws, &mut theory),
+            _ => try_source::<2>(reader, groups, source, draws, &mut theory),
+        }
+    }
+    theory
+}
+
+fn try_source<const D: usize>(
+    reader: &mut Reader,
+    groups: &[Group],
+    source: &source::Read,
+    draws: &[usize],
+    theory: &mut BTreeMap<String, Known>,
+) where
+    Entry: Builds<D>,
+    Data: Holds<D>,
+{
+    let data: Option<&Sample<D>> = source.sample.as_ref().and_then(Data::sample);
+    let truth: Option<Arc<dyn Density<D>>> = source.truth.clone().and_then(Entry::truth);
+    {
         let own;
-        let sizes = match &source.sample {
+        let sizes = match data {
             Some(sample) => {
                 own = [sample.len()];
                 &own[..]
@@ -33,13 +56,10 @@ pub(super) fn try_building(
         };
         for &draws in sizes {
             let context = Context {
-                truth: source
-                    .truth
-                    .clone()
-                    .map(|truth| truth as Arc<dyn Density<1>>),
+                truth: truth.clone(),
                 draws,
             };
-            let trial = trial(source, draws);
+            let trial = trial(data, truth.as_deref(), draws);
             for group in groups {
                 for (at, member) in group.members.iter().enumerate() {
                     let place = |parameter: &str| match &member.sweep {
@@ -53,7 +73,7 @@ pub(super) fn try_building(
                             continue;
                         }
                     };
-                    if let Some(truth) = &source.truth {
+                    if let Some(truth) = &truth {
                         let exact = built.expectation(&**truth, draws, &[]).is_some();
                         theory
                             .entry(member.name.clone())
@@ -79,7 +99,6 @@ pub(super) fn try_building(
             }
         }
     }
-    theory
 }
 
 /// What theory knows of an estimator, in words.
@@ -98,19 +117,27 @@ fn known(member: &EstimatorSpec, exact: bool, family: bool) -> Known {
 
 /// A sample that shows before the run whether estimators can be fitted: that of a data file, if it is not large, or a single point where the
 /// experiment draws no more. Larger samples of a density have a spread.
-fn trial(source: &source::Read, draws: usize) -> Option<Sample<1>> {
+fn trial<const D: usize>(
+    data: Option<&Sample<D>>,
+    truth: Option<&dyn Density<D>>,
+    draws: usize,
+) -> Option<Sample<D>> {
     const LARGE: usize = 10_000;
-    match (&source.sample, &source.truth) {
+    match (data, truth) {
         (Some(sample), _) => (sample.len() <= LARGE).then(|| sample.clone()),
         (None, Some(truth)) if draws == 1 => {
-            Sample::equal(vec![[truth.quantile(0.5)]], truth.domain().clone()).ok()
+            let point = truth.draw(&mut random::stream(1, "trial", 0));
+            Sample::equal(vec![point], truth.domain().clone()).ok()
         }
         _ => None,
     }
 }
 
 /// Builds an estimator.
-pub(super) fn try_to_build(spec: &EstimatorSpec, context: &Context<1>) -> Built<1> {
+pub(super) fn try_to_build<const D: usize>(spec: &EstimatorSpec, context: &Context<D>) -> Built<D>
+where
+    Entry: Builds<D>,
+{
     let entry = catalogue::estimator(&spec.kind)
         .expect("specifications are made from entries of the catalogue");
     entry.build(&spec.values, context)

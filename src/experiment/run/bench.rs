@@ -2,44 +2,73 @@
 
 use super::cell::sampling_stream;
 use super::{Cell, RunError, block_length};
-use crate::density::{Density, Univariate};
+use crate::density::Density;
 use crate::estimator::{Context, Estimator};
-use crate::experiment::catalogue::Builds;
-use crate::experiment::{Experiment, GridSpec, SourceSpec, catalogue};
-use crate::sample::{Sample, Summary, file};
-use crate::space::{Domain, Grid, Side};
+use crate::experiment::catalogue::{Builds, Entry};
+use crate::experiment::{Experiment, GridSpec, Limits, SourceSpec, catalogue};
+use crate::kernel::Shape;
+use crate::sample::{Sample, file};
+use crate::space::{Domain, Grid, Point, Polygon};
+use crate::theory::{self, Optimum, Oracle};
 use std::sync::Arc;
 
 /// What is fixed for one source and one sample size.
-pub struct Setting {
+pub struct Setting<const D: usize = 1> {
     /// The sample size.
     pub draws: usize,
     /// Where estimates are evaluated.
-    pub grid: Grid<1>,
+    pub grid: Grid<D>,
+    /// Which cells have their centre in the polygon that bounds the domain, where there is one; nothing else counts, and no other cell does.
+    pub mask: Option<Vec<bool>>,
     /// The truth at the centres of the grid's cells, where it is known.
     pub truth: Option<Vec<f64>>,
     /// The estimators in the experiment's order.
-    pub estimators: Vec<Box<dyn Estimator<1>>>,
+    pub estimators: Vec<Box<dyn Estimator<D>>>,
 }
 
-enum Opened {
-    Density(Arc<dyn Univariate>),
-    Data(Sample<1>),
+impl<const D: usize> Setting<D> {
+    /// Sets to zero what lies outside the polygon that bounds the domain.
+    pub fn restrict(&self, values: &mut [f64]) {
+        if let Some(mask) = &self.mask {
+            for (value, inside) in values.iter_mut().zip(mask) {
+                if !inside {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+}
+
+enum Opened<const D: usize> {
+    Density(Arc<dyn Density<D>>),
+    Data(Sample<D>),
+}
+
+impl<const D: usize> Opened<D> {
+    fn domain(&self) -> &Domain<D> {
+        match self {
+            Self::Density(density) => density.domain(),
+            Self::Data(sample) => sample.domain(),
+        }
+    }
 }
 
 /// An experiment ready to run.
-pub struct Bench {
+pub struct Bench<const D: usize = 1> {
     experiment: Experiment,
-    sources: Vec<Opened>,
-    settings: Vec<Vec<Setting>>,
+    sources: Vec<Opened<D>>,
+    settings: Vec<Vec<Setting<D>>>,
 }
 
-impl Bench {
+impl<const D: usize> Bench<D> {
     /// Opens the sources and builds every estimator for every sample size.
     ///
     /// # Errors
     /// If a data file cannot be read or an estimator not be built.
-    pub fn new(experiment: Experiment) -> Result<Self, RunError> {
+    pub fn new(experiment: Experiment) -> Result<Self, RunError>
+    where
+        Entry: Builds<D>,
+    {
         let mut sources = Vec::new();
         let mut settings = Vec::new();
         for spec in &experiment.sources {
@@ -48,7 +77,7 @@ impl Bench {
                 Opened::Density(_) => experiment.draws.clone(),
                 Opened::Data(sample) => vec![sample.len()],
             };
-            let of_source: Result<Vec<Setting>, RunError> = sizes
+            let of_source: Result<Vec<Setting<D>>, RunError> = sizes
                 .into_iter()
                 .map(|draws| set_up(&experiment, &opened, draws))
                 .collect();
@@ -68,21 +97,39 @@ impl Bench {
     }
 
     /// What is fixed for a source and a size, by their positions.
-    pub fn setting(&self, source: usize, size: usize) -> &Setting {
+    pub fn setting(&self, source: usize, size: usize) -> &Setting<D> {
         &self.settings[source][size]
     }
 
     /// The settings of each size of a source.
-    pub fn settings(&self, source: usize) -> &[Setting] {
+    pub fn settings(&self, source: usize) -> &[Setting<D>] {
         &self.settings[source]
     }
 
     /// The density of a source, where it is known.
-    pub fn truth(&self, source: usize) -> Option<&Arc<dyn Univariate>> {
+    pub fn truth(&self, source: usize) -> Option<&Arc<dyn Density<D>>> {
         match &self.sources[source] {
             Opened::Density(density) => Some(density),
             Opened::Data(_) => None,
         }
+    }
+
+    /// The polygon that bounds the domain of a source, where there is one: its corners, else nothing.
+    pub fn outline(&self, source: usize) -> &[[f64; 2]] {
+        let outline = self.sources[source].domain().outline();
+        outline.map_or(&[], Polygon::vertices)
+    }
+
+    /// What theory says of kernel estimates from a source with samples of `draws` points, where it says anything.
+    pub fn oracle(&self, source: usize, shape: Shape, draws: usize) -> Option<Oracle> {
+        theory::kernel_oracle(&**self.truth(source)?, shape, draws as f64)
+    }
+
+    /// The best of all estimators that differ from number `estimator` in their bandwidth or width alone, by theory.
+    pub fn best_of_family(&self, source: usize, size: usize, estimator: usize) -> Option<Optimum> {
+        let setting = self.setting(source, size);
+        let family = setting.estimators[estimator].family()?;
+        family.optimum_of(&**self.truth(source)?, setting.draws as f64)
     }
 
     /// Sample number `replicate` of a size from a source; the same for every estimator.
@@ -94,7 +141,7 @@ impl Bench {
         source: usize,
         size: usize,
         replicate: usize,
-    ) -> Result<Sample<1>, RunError> {
+    ) -> Result<Sample<D>, RunError> {
         match &self.sources[source] {
             Opened::Data(sample) => Ok(sample.clone()),
             Opened::Density(density) => {
@@ -138,37 +185,32 @@ impl Bench {
     }
 }
 
-fn open(spec: &SourceSpec) -> Result<Opened, RunError> {
+fn open<const D: usize>(spec: &SourceSpec) -> Result<Opened<D>, RunError>
+where
+    Entry: Builds<D>,
+{
     match spec {
         SourceSpec::Density { kind, values, .. } => {
             let built = catalogue::density(kind, values)
                 .map_err(|error| RunError::Input(error.to_string()))?;
-            let line = built.line().ok_or_else(|| {
-                RunError::Input(format!("the density {kind} is one of the plane"))
+            let density = Entry::truth(built).ok_or_else(|| {
+                RunError::Input(format!("the density {kind} does not have {D} dimensions"))
             })?;
-            Ok(Opened::Density(line))
+            Ok(Opened::Density(density))
         }
         SourceSpec::File {
             path,
-            column,
+            columns,
             weight,
             domain,
             ..
         } => {
-            let [low, high] = domain.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-            let side = |bound: f64| {
-                if bound.is_finite() {
-                    Side::Wall
-                } else {
-                    Side::Open
-                }
-            };
-            let domain = Domain::new([low], [high], [[side(low), side(high)]])
-                .map_err(|error| RunError::Input(error.to_string()))?;
+            let wrong = || RunError::Input(format!("{} columns for {D} axes", columns.len()));
+            let named: Vec<file::Column> = columns.iter().map(|c| file::Column::Named(c)).collect();
             let request = file::Request {
-                columns: [file::Column::Named(column)],
+                columns: named.try_into().map_err(|_| wrong())?,
                 weight: weight.as_deref(),
-                domain,
+                domain: Limits::domain(domain.as_ref()).map_err(RunError::Input)?,
             };
             file::read(path, &request)
                 .map(Opened::Data)
@@ -177,9 +219,16 @@ fn open(spec: &SourceSpec) -> Result<Opened, RunError> {
     }
 }
 
-fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Setting, RunError> {
-    let grid = match experiment.grid {
-        Some(GridSpec { low, high, cells }) => Grid::new([low], [high], [cells]),
+fn set_up<const D: usize>(
+    experiment: &Experiment,
+    source: &Opened<D>,
+    draws: usize,
+) -> Result<Setting<D>, RunError>
+where
+    Entry: Builds<D>,
+{
+    let grid = match &experiment.grid {
+        Some(spec) => spec.grid(),
         None => default_grid(source),
     }
     .map_err(|error| RunError::Input(error.to_string()))?;
@@ -191,7 +240,7 @@ fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Sett
         .as_ref()
         .map(|density| density.on(&grid).into_values());
     let context = Context {
-        truth: density.map(|density| density as Arc<dyn Density<1>>),
+        truth: density,
         draws,
     };
     let estimators: Result<_, _> = experiment
@@ -207,30 +256,48 @@ fn set_up(experiment: &Experiment, source: &Opened, draws: usize) -> Result<Sett
         .collect();
     Ok(Setting {
         draws,
+        mask: source.domain().mask(&grid),
         grid,
         truth,
         estimators: estimators?,
     })
 }
 
-/// Cells over all but 10⁻⁴ of the mass at each end, widened by a fifth of that on both sides so that what an estimator lays beyond shows.
-fn default_grid(source: &Opened) -> Result<Grid<1>, crate::space::GridError> {
-    let (low, high) = match source {
-        Opened::Density(density) => {
-            let ([low], [high]) = density.bulk(1e-4);
-            (low, high)
-        }
-        Opened::Data(sample) => {
-            let summary = Summary::of(sample);
-            // data all at one place still deserve a picture
-            let spread = if summary.most > summary.least {
-                0.0
-            } else {
-                0.5 * summary.least.abs().max(1.0)
-            };
-            (summary.least - spread, summary.most + spread)
-        }
+/// Cells over all but 10⁻⁴ of the mass at each end, widened by a fifth of that on both sides so that what an estimator lays beyond shows; a
+/// polygon's own box, beyond which nothing counts.
+fn default_grid<const D: usize>(source: &Opened<D>) -> Result<Grid<D>, crate::space::GridError> {
+    let cells = [GridSpec::default_cells(D); D];
+    let domain = source.domain();
+    if domain.outline().is_some() {
+        return Grid::new(domain.low(), domain.high(), cells);
+    }
+    let (mut low, mut high) = match source {
+        Opened::Density(density) => density.bulk(1e-4),
+        Opened::Data(sample) => extent(sample),
     };
-    let margin = 0.2 * (high - low);
-    Grid::new([low - margin], [high + margin], [GridSpec::CELLS])
+    for axis in 0..D {
+        let margin = 0.2 * (high[axis] - low[axis]);
+        (low[axis], high[axis]) = (low[axis] - margin, high[axis] + margin);
+    }
+    Grid::new(low, high, cells)
+}
+
+/// The least box around all points with a weight; data all at one place still deserve a picture.
+fn extent<const D: usize>(sample: &Sample<D>) -> (Point<D>, Point<D>) {
+    let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for (i, point) in sample.points().iter().enumerate() {
+        if sample.weight(i) > 0.0 {
+            for axis in 0..D {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+    }
+    for axis in 0..D {
+        if high[axis] <= low[axis] {
+            let spread = 0.5 * low[axis].abs().max(1.0);
+            (low[axis], high[axis]) = (low[axis] - spread, high[axis] + spread);
+        }
+    }
+    (low, high)
 }

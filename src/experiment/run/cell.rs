@@ -4,7 +4,7 @@ use super::{Bench, RunError};
 use crate::accuracy::{Errors, Tally};
 use crate::numeric::Sum;
 use crate::random;
-use crate::space::{Field, RIPPLE, Raster, Targets, Warning, modes};
+use crate::space::{Field, Point, RIPPLE, Raster, Targets, Warning, mode_count};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,14 +49,14 @@ pub struct Record {
 }
 
 /// The replicates of a block.
-pub(super) fn replicates(bench: &Bench, block: usize) -> Range<usize> {
+pub(super) fn replicates<const D: usize>(bench: &Bench<D>, block: usize) -> Range<usize> {
     let length = super::block_length(bench.experiment());
     block * length..((block + 1) * length).min(bench.experiment().replicates)
 }
 
 /// Computes a cell; `None` if `stop` was raised before its end.
-pub(super) fn compute(
-    bench: &Bench,
+pub(super) fn compute<const D: usize>(
+    bench: &Bench<D>,
     cell: Cell,
     stop: &AtomicBool,
 ) -> Result<Option<Record>, RunError> {
@@ -91,13 +91,15 @@ pub(super) fn compute(
             }
         }
         record.engine = record.engine.or(evaluation.engine.map(str::to_owned));
-        let raster = Raster::new(setting.grid, evaluation.values);
+        let mut values = evaluation.values;
+        setting.restrict(&mut values);
+        let raster = Raster::new(setting.grid, values);
         let values = raster.values();
         if let Some(place) = values.iter().position(|v| !v.is_finite()) {
-            let x = setting.grid.coordinate(0, place);
+            let x = place_name(setting.grid.centre(place));
             let name = &bench.experiment().estimators[cell.estimator].name;
             return Err(RunError::Input(format!(
-                "estimator \"{name}\" gave {} at x = {x} on sample {replicate}",
+                "estimator \"{name}\" gave {} at {x} on sample {replicate}",
                 values[place]
             )));
         }
@@ -107,7 +109,7 @@ pub(super) fn compute(
                 .as_ref()
                 .map(|truth| Errors::between(values, truth, measure)),
             integral: values.iter().copied().collect::<Sum>().value() * measure,
-            modes: modes(&raster, RIPPLE.max(2.0 * evaluation.error)).len(),
+            modes: mode_count(&raster, RIPPLE.max(2.0 * evaluation.error)),
             smoothing: estimate.smoothing,
         });
         match &setting.truth {
@@ -121,4 +123,13 @@ pub(super) fn compute(
 /// The stream that draws replicate number `replicate`: common to all estimators, sizes and sources, so that comparisons are paired.
 pub(super) fn sampling_stream(seed: u64, replicate: usize) -> random::Stream {
     random::stream(seed, "sample", replicate as u64)
+}
+
+/// A place in words.
+fn place_name<const D: usize>(place: Point<D>) -> String {
+    let coordinates = place.iter().zip(["x", "y"]);
+    coordinates
+        .map(|(value, axis)| format!("{axis} = {value}"))
+        .collect::<Vec<_>>()
+        .join(", ")
 }

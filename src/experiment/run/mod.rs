@@ -72,8 +72,8 @@ pub struct Finished {
 ///
 /// # Errors
 /// If a sample cannot be fitted, the journal cannot be written, or `stop` was raised; finished cells stay in the journal.
-pub fn run(
-    bench: &Bench,
+pub fn run<const D: usize>(
+    bench: &Bench<D>,
     folder: &RunFolder,
     stop: &AtomicBool,
     progress: &dyn Progress,

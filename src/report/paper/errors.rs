@@ -7,7 +7,12 @@ use crate::experiment::table::exact_counterpart;
 use crate::experiment::{Figure, Measure};
 use crate::report::figure::{Axis, Comparison, Row, Svg};
 
-pub(super) fn draw(_material: &Material<'_>, figure: &Figure, group: &Group, measure: &str) -> Svg {
+pub(super) fn draw<const D: usize>(
+    _material: &Material<'_, D>,
+    figure: &Figure,
+    group: &Group<D>,
+    measure: &str,
+) -> Svg {
     let measure = Measure::ALL
         .into_iter()
         .find(|m| m.name() == measure)

@@ -8,6 +8,7 @@ mod errors;
 mod fine;
 mod page;
 mod pictures;
+mod plane;
 mod sweep;
 mod tables;
 
@@ -15,40 +16,117 @@ pub use fine::Fine;
 
 use crate::experiment::judge::Verdict;
 use crate::experiment::manifest::{self, Circumstances};
-use crate::experiment::results::Results;
+use crate::experiment::results::{Group, Results};
 use crate::experiment::run::{Bench, RunError, RunFolder};
 use crate::experiment::table;
+use crate::kernel::{Bandwidth, Shape};
+use crate::report::page::Slider;
+use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use crate::storage::write_atomically;
 
 /// Everything that the paper is written from.
-pub struct Material<'a> {
+pub struct Material<'a, const D: usize = 1> {
     /// The experiment, set up.
-    pub bench: &'a Bench,
+    pub bench: &'a Bench<D>,
     /// What it found.
-    pub results: &'a Results,
+    pub results: &'a Results<D>,
     /// How its claims came out.
     pub verdicts: &'a [Verdict],
     /// How it was carried out.
     pub circumstances: &'a Circumstances,
 }
 
+/// What is drawn differently on a line and in the plane.
+pub struct Paper;
+
+/// The drawings of experiments in `D` dimensions.
+pub trait Draws<const D: usize> {
+    /// Everything that shows estimates themselves.
+    ///
+    /// # Errors
+    /// If the first sample cannot be drawn again.
+    fn illustrate(material: &Material<'_, D>) -> Result<Illustrations, RunError>;
+
+    /// The median bandwidth that a rule of this name chooses over the first samples, where there is such a rule.
+    fn typical(
+        material: &Material<'_, D>,
+        group: &Group<D>,
+        rule: &str,
+        shape: Shape,
+    ) -> Option<f64>;
+}
+
+/// What shows estimates themselves.
+pub struct Illustrations {
+    /// The estimates of the first sample on the grid, by group and estimator.
+    first: Vec<Vec<Vec<f64>>>,
+    /// The figures.
+    pictures: Vec<pictures::Picture>,
+    /// The slider of a swept bandwidth.
+    slider: Option<Slider>,
+}
+
+impl Draws<1> for Paper {
+    fn illustrate(material: &Material<'_, 1>) -> Result<Illustrations, RunError> {
+        let fine = Fine::of(material.bench, material.results)?;
+        Ok(Illustrations {
+            pictures: pictures::draw(material, &fine),
+            slider: page::slider(material, &fine),
+            first: fine.groups.into_iter().map(|first| first.coarse).collect(),
+        })
+    }
+
+    fn typical(
+        material: &Material<'_, 1>,
+        group: &Group<1>,
+        rule: &str,
+        shape: Shape,
+    ) -> Option<f64> {
+        const SAMPLES: usize = 25;
+        let selector: &dyn Selector<1> = match rule {
+            "silverman" => &Silverman,
+            "normal-reference" => &NormalReference,
+            "scott" => &Scott,
+            _ => return None,
+        };
+        let replicates = material.bench.experiment().replicates.min(SAMPLES);
+        let mut chosen: Vec<f64> = (0..replicates)
+            .filter_map(|replicate| {
+                let sample = material
+                    .bench
+                    .sample(group.source, group.size, replicate)
+                    .ok()?;
+                match selector.select(&sample, shape).ok()?.bandwidth {
+                    Bandwidth::Fixed([h]) => Some(h),
+                    _ => None,
+                }
+            })
+            .collect();
+        chosen.sort_by(f64::total_cmp);
+        chosen.get(chosen.len() / 2).copied()
+    }
+}
+
 /// Writes `tables/*.csv`, `figures/*.svg`, `report.html` and, last, `manifest.json` into `folder`.
 ///
 /// # Errors
 /// If a file cannot be written, or the first sample cannot be drawn again.
-pub fn write(material: &Material<'_>, folder: &RunFolder) -> Result<(), RunError> {
+pub fn write<const D: usize>(material: &Material<'_, D>, folder: &RunFolder) -> Result<(), RunError>
+where
+    Paper: Draws<D>,
+{
     let Material {
         bench,
         results,
         verdicts,
         circumstances,
     } = material;
-    let fine = Fine::of(bench, results)?;
-    let first: Vec<&[Vec<f64>]> = fine
-        .groups
-        .iter()
-        .map(|first| first.coarse.as_slice())
-        .collect();
+    let Illustrations {
+        first,
+        pictures: drawn,
+        slider,
+    } = Paper::illustrate(material)?;
+    let first: Vec<&[Vec<f64>]> = first.iter().map(Vec::as_slice).collect();
     let tables = folder.fresh("tables")?;
     for table in [
         table::summary(results),
@@ -62,12 +140,11 @@ pub fn write(material: &Material<'_>, folder: &RunFolder) -> Result<(), RunError
         }
     }
     let figures = folder.fresh("figures")?;
-    let drawn = pictures::draw(material, &fine);
     for (number, picture) in drawn.iter().enumerate() {
         let path = figures.join(format!("{:02}-{}.svg", number + 1, picture.slug));
         write_atomically(&path, picture.svg.as_str().as_bytes())?;
     }
-    let page = page::compose(material, &fine, drawn);
+    let page = page::compose(material, slider, drawn);
     write_atomically(&folder.path().join("report.html"), page.as_bytes())?;
     manifest::write(
         folder.path(),

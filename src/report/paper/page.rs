@@ -13,7 +13,11 @@ use crate::report::figure::{Axis, Sweep};
 use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Verdict, Warning};
 use crate::report::text::minus;
 
-pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Picture>) -> String {
+pub(super) fn compose<const D: usize>(
+    material: &Material<'_, D>,
+    slider: Option<Slider>,
+    pictures: Vec<Picture>,
+) -> String {
     let experiment = material.bench.experiment();
     let tables = tables::all(material);
     Page {
@@ -22,7 +26,7 @@ pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Pictur
         claims: claims(material),
         facts: facts(material),
         warnings: warnings(material),
-        slider: slider(material, fine),
+        slider,
         figures: pictures
             .into_iter()
             .map(|p| Figure {
@@ -42,7 +46,7 @@ pub(super) fn compose(material: &Material<'_>, fine: &Fine, pictures: Vec<Pictur
     .render()
 }
 
-fn claims(material: &Material<'_>) -> Vec<Verdict> {
+fn claims<const D: usize>(material: &Material<'_, D>) -> Vec<Verdict> {
     let experiment = material.bench.experiment();
     let verdicts = material.verdicts.iter().map(|verdict| Verdict {
         text: experiment.claims[verdict.claim].says.clone(),
@@ -57,14 +61,14 @@ fn claims(material: &Material<'_>) -> Vec<Verdict> {
     verdicts.collect()
 }
 
-fn facts(material: &Material<'_>) -> Vec<(String, String)> {
+fn facts<const D: usize>(material: &Material<'_, D>) -> Vec<(String, String)> {
     let experiment = material.bench.experiment();
     let mut facts: Vec<(&str, String)> = Vec::new();
     let sources = experiment.sources.iter().map(|source| match source {
         SourceSpec::Density { name, .. } => format!("density {name}"),
         SourceSpec::File {
             path,
-            column,
+            columns,
             weight,
             ..
         } => {
@@ -72,7 +76,15 @@ fn facts(material: &Material<'_>) -> Vec<(String, String)> {
             let weight = weight
                 .as_ref()
                 .map_or_else(String::new, |weight| format!(", weighted by {weight}"));
-            format!("{file}, column {column}{weight}")
+            format!(
+                "{file}, {} {}{weight}",
+                if columns.len() > 1 {
+                    "columns"
+                } else {
+                    "column"
+                },
+                columns.join(" and ")
+            )
         }
     });
     facts.push(("Source", sources.collect::<Vec<_>>().join("; ")));
@@ -98,7 +110,7 @@ fn facts(material: &Material<'_>) -> Vec<(String, String)> {
         facts.push(("Replicates", format!("{}{quick}", experiment.replicates)));
         facts.push(("Seed", experiment.seed.to_string()));
     }
-    let mut grids: Vec<String> = material.results.groups.iter().map(grid).collect();
+    let mut grids: Vec<String> = material.results.groups.iter().map(grid::<D>).collect();
     grids.dedup();
     facts.push((
         "Grid",
@@ -126,16 +138,20 @@ fn facts(material: &Material<'_>) -> Vec<(String, String)> {
         .collect()
 }
 
-fn grid(group: &Group) -> String {
-    let ([low], [high], [cells]) = (group.grid.low(), group.grid.high(), group.grid.cells());
+fn grid<const D: usize>(group: &Group<D>) -> String {
+    let cells: Vec<String> = group.grid.cells().iter().map(usize::to_string).collect();
+    let ends = group.grid.low().into_iter().zip(group.grid.high());
+    let ends: Vec<String> = ends
+        .map(|(low, high)| format!("{} to {}", short(low), short(high)))
+        .collect();
     minus(&format!(
-        "{cells} cells from {} to {}",
-        short(low),
-        short(high)
+        "{} cells from {}",
+        cells.join(" × "),
+        ends.join(" and ")
     ))
 }
 
-fn warnings(material: &Material<'_>) -> Vec<Warning> {
+fn warnings<const D: usize>(material: &Material<'_, D>) -> Vec<Warning> {
     let warnings = material
         .results
         .warnings
@@ -152,7 +168,7 @@ fn warnings(material: &Material<'_>) -> Vec<Warning> {
 }
 
 /// The slider for the first sweep of the experiment.
-fn slider(material: &Material<'_>, fine: &Fine) -> Option<Slider> {
+pub(super) fn slider(material: &Material<'_>, fine: &Fine) -> Option<Slider> {
     let experiment = material.bench.experiment();
     let of = &experiment
         .estimators

@@ -1,10 +1,10 @@
 //! From the figures an experiment asks for to drawings.
 
-use super::{Fine, Material, efficiency, errors, sweep};
+use super::{Draws, Fine, Material, Paper, efficiency, errors, sweep};
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::{Figure, FigureKind, SourceSpec};
 use crate::report::figure::{Axis, Curves, ModeCounts, Modes, Multiples, Role, Series, Small, Svg};
-use crate::space::{RIPPLE, modes};
+use crate::space::{RIPPLE, mode_count};
 
 /// A figure of the report.
 pub struct Picture {
@@ -27,7 +27,11 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
     let mut pictures = Vec::new();
     for figure in &experiment.figures {
         if let FigureKind::Densities {} = figure.kind {
-            pictures.push(picture(figure, None, densities(material, fine, figure)));
+            pictures.push(picture::<1>(
+                figure,
+                None,
+                densities(material, fine, figure),
+            ));
             continue;
         }
         let groups: Vec<(usize, &Group)> = material
@@ -43,11 +47,11 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
                 FigureKind::Curves { show, panels } => {
                     curves(material, fine, figure, index, show, *panels)
                 }
-                FigureKind::Errors { measure } => errors::draw(material, figure, group, measure),
-                FigureKind::Modes {} => mode_counts(material, figure, group),
-                FigureKind::Sweep { of, mark } => sweep::draw(material, figure, group, of, mark),
                 FigureKind::Efficiency {} => efficiency::draw(material, figure, group),
-                FigureKind::Densities {} => continue,
+                _ => match common(material, figure, group) {
+                    Some(svg) => svg,
+                    None => continue,
+                },
             };
             pictures.push(picture(figure, several.then_some(group), svg));
         }
@@ -55,14 +59,35 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
     pictures
 }
 
+/// The figures that are alike on a line and in the plane.
+pub(super) fn common<const D: usize>(
+    material: &Material<'_, D>,
+    figure: &Figure,
+    group: &Group<D>,
+) -> Option<Svg>
+where
+    Paper: Draws<D>,
+{
+    match &figure.kind {
+        FigureKind::Errors { measure } => Some(errors::draw(material, figure, group, measure)),
+        FigureKind::Modes {} => Some(mode_counts(material, figure, group)),
+        FigureKind::Sweep { of, mark } => Some(sweep::draw(material, figure, group, of, mark)),
+        _ => None,
+    }
+}
+
 /// Whether a figure is about a group: the size it names, or the first.
-fn shows(figure: &Figure, group: &Group, material: &Material<'_>) -> bool {
+pub(super) fn shows<const D: usize>(
+    figure: &Figure,
+    group: &Group<D>,
+    material: &Material<'_, D>,
+) -> bool {
     figure.draws.map_or(group.size == 0, |draws| {
         draws == group.draws || material.bench.truth(group.source).is_none()
     })
 }
 
-fn picture(figure: &Figure, of: Option<&Group>, svg: Svg) -> Picture {
+pub(super) fn picture<const D: usize>(figure: &Figure, of: Option<&Group<D>>, svg: Svg) -> Picture {
     let title = match of {
         Some(group) => format!("{} — {}, n = {}", figure.title, group.name, group.draws),
         None => figure.title.clone(),
@@ -92,9 +117,9 @@ fn slug(title: &str) -> String {
 }
 
 /// The estimators that a figure shows, as (position, outcome).
-pub(super) fn chosen<'a>(
+pub(super) fn chosen<'a, const D: usize>(
     figure: &'a Figure,
-    group: &'a Group,
+    group: &'a Group<D>,
 ) -> impl Iterator<Item = (usize, &'a Outcome)> {
     group
         .outcomes
@@ -104,12 +129,21 @@ pub(super) fn chosen<'a>(
 }
 
 /// What the horizontal axis of a group's curves is called.
-pub(super) fn place_axis(material: &Material<'_>, group: &Group) -> Axis {
+pub(super) fn place_axis<const D: usize>(material: &Material<'_, D>, group: &Group<D>) -> Axis {
+    axis_of(material, group, 0).over(group.grid.low()[0], group.grid.high()[0])
+}
+
+/// What an axis of a group's domain is called.
+pub(super) fn axis_of<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
+    axis: usize,
+) -> Axis {
     let label = match &material.bench.experiment().sources[group.source] {
-        SourceSpec::Density { .. } => "x".to_owned(),
-        SourceSpec::File { column, .. } => column.clone(),
+        SourceSpec::Density { .. } => ["x", "y"][axis.min(1)].to_owned(),
+        SourceSpec::File { columns, .. } => columns[axis].clone(),
     };
-    Axis::new(label, "").over(group.grid.low()[0], group.grid.high()[0])
+    Axis::new(label, "")
 }
 
 fn curves(
@@ -237,7 +271,11 @@ fn densities(material: &Material<'_>, fine: &Fine, figure: &Figure) -> Svg {
     .draw()
 }
 
-fn mode_counts(material: &Material<'_>, figure: &Figure, group: &Group) -> Svg {
+fn mode_counts<const D: usize>(
+    material: &Material<'_, D>,
+    figure: &Figure,
+    group: &Group<D>,
+) -> Svg {
     let rows = chosen(figure, group).map(|(number, outcome)| {
         let most = outcome
             .replicates
@@ -261,7 +299,7 @@ fn mode_counts(material: &Material<'_>, figure: &Figure, group: &Group) -> Svg {
         truth: material
             .bench
             .truth(group.source)
-            .map(|density| modes(&density.on(&group.grid), RIPPLE).len()),
+            .map(|density| mode_count(&density.on(&group.grid), RIPPLE)),
         rows: rows.collect(),
     }
     .draw()

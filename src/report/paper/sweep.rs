@@ -1,16 +1,15 @@
 //! The figure of errors against a swept bandwidth.
 
-use super::Material;
+use super::{Draws, Material, Paper};
 use crate::experiment::judge::swept;
 use crate::experiment::results::Group;
 use crate::experiment::{Figure, Measure};
-use crate::kernel::{Bandwidth, Shape};
+use crate::kernel::Shape;
 use crate::report::figure::{Axis, Marker, Measured, Part, Svg, Sweep, Trace};
-use crate::selector::{NormalReference, Scott, Selector, Silverman};
-use crate::theory;
+use crate::theory::{self, Oracle};
 
 /// The members of the sweep of that name, as positions, by ascending parameter.
-pub(super) fn members(material: &Material<'_>, of: &str) -> Vec<(f64, usize)> {
+pub(super) fn members<const D: usize>(material: &Material<'_, D>, of: &str) -> Vec<(f64, usize)> {
     let estimators = &material.bench.experiment().estimators;
     let mut members: Vec<(f64, usize)> = estimators
         .iter()
@@ -25,9 +24,9 @@ pub(super) fn members(material: &Material<'_>, of: &str) -> Vec<(f64, usize)> {
 }
 
 /// One part of the error along a sweep, simulated and exact.
-fn trace(
-    material: &Material<'_>,
-    group: &Group,
+fn trace<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
     of: &str,
     (name, part): (&str, Part),
     simulated: Measure,
@@ -52,13 +51,16 @@ fn trace(
     }
 }
 
-pub(super) fn draw(
-    material: &Material<'_>,
+pub(super) fn draw<const D: usize>(
+    material: &Material<'_, D>,
     figure: &Figure,
-    group: &Group,
+    group: &Group<D>,
     of: &str,
     mark: &[String],
-) -> Svg {
+) -> Svg
+where
+    Paper: Draws<D>,
+{
     Sweep {
         title: String::new(),
         description: figure.caption.clone(),
@@ -73,7 +75,11 @@ pub(super) fn draw(
 }
 
 /// MISE and its two parts along a sweep.
-pub(super) fn traces(material: &Material<'_>, group: &Group, of: &str) -> Vec<Trace> {
+pub(super) fn traces<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
+    of: &str,
+) -> Vec<Trace> {
     [
         ("MISE", Part::Total, Measure::Mise, Measure::ExactMise),
         ("bias²", Part::Bias, Measure::Bias2, Measure::ExactBias2),
@@ -91,12 +97,16 @@ pub(super) fn traces(material: &Material<'_>, group: &Group, of: &str) -> Vec<Tr
 }
 
 /// Where the exact MISE has its minima, the deepest first.
-fn minima(material: &Material<'_>, group: &Group, of: &str) -> Vec<(f64, f64)> {
-    let Some((shape, truth)) = shape_of(material, of).zip(material.bench.truth(group.source))
-    else {
+fn minima<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
+    of: &str,
+) -> Vec<(f64, f64)> {
+    let oracle = shape_of(material, of)
+        .and_then(|shape| material.bench.oracle(group.source, shape, group.draws));
+    let Some(Oracle { optimum, .. }) = oracle else {
         return Vec::new();
     };
-    let optimum = theory::KernelError::new(&**truth, shape).optimum(group.draws as f64);
     let others = optimum
         .others
         .iter()
@@ -108,14 +118,14 @@ fn minima(material: &Material<'_>, group: &Group, of: &str) -> Vec<(f64, f64)> {
 }
 
 /// The kernel that a sweep's estimators have in common, where they have one.
-fn shape_of(material: &Material<'_>, of: &str) -> Option<Shape> {
+fn shape_of<const D: usize>(material: &Material<'_, D>, of: &str) -> Option<Shape> {
     let &(_, number) = members(material, of).first()?;
     let spec = &material.bench.experiment().estimators[number];
     spec.values.word("shape").and_then(Shape::named)
 }
 
 /// What the swept parameter is called on an axis.
-pub(super) fn parameter(material: &Material<'_>, of: &str) -> String {
+pub(super) fn parameter<const D: usize>(material: &Material<'_, D>, of: &str) -> String {
     let estimators = &material.bench.experiment().estimators;
     let name = estimators
         .iter()
@@ -129,20 +139,19 @@ pub(super) fn parameter(material: &Material<'_>, of: &str) -> String {
 }
 
 /// The places worth marking: optima by theory, and the median choice of rules of thumb over the first samples.
-pub(super) fn markers(
-    material: &Material<'_>,
-    group: &Group,
+pub(super) fn markers<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
     of: &str,
     mark: &[String],
-) -> Vec<Marker> {
+) -> Vec<Marker>
+where
+    Paper: Draws<D>,
+{
     let Some(shape) = shape_of(material, of) else {
         return Vec::new();
     };
-    let oracle = material
-        .bench
-        .truth(group.source)
-        .map(|truth| theory::KernelError::new(&**truth, shape).oracle(group.draws as f64));
-    let rule = |selector: &dyn Selector<1>| typical(material, group, selector, shape);
+    let oracle = material.bench.oracle(group.source, shape, group.draws);
     mark.iter()
         .filter_map(|name| {
             let at = match name.as_str() {
@@ -151,10 +160,7 @@ pub(super) fn markers(
                     .as_ref()
                     .and_then(|oracle| oracle.asymptotic.as_ref().ok())
                     .map(theory::Asymptotic::best),
-                "silverman" => rule(&Silverman),
-                "normal-reference" => rule(&NormalReference),
-                "scott" => rule(&Scott),
-                _ => None,
+                rule => Paper::typical(material, group, rule, shape),
             }?;
             let name = match name.as_str() {
                 "h_mise" => "h MISE",
@@ -167,29 +173,4 @@ pub(super) fn markers(
             })
         })
         .collect()
-}
-
-/// The median bandwidth that a rule chooses over the first samples.
-fn typical(
-    material: &Material<'_>,
-    group: &Group,
-    selector: &dyn Selector<1>,
-    shape: Shape,
-) -> Option<f64> {
-    const SAMPLES: usize = 25;
-    let replicates = material.bench.experiment().replicates.min(SAMPLES);
-    let mut chosen: Vec<f64> = (0..replicates)
-        .filter_map(|replicate| {
-            let sample = material
-                .bench
-                .sample(group.source, group.size, replicate)
-                .ok()?;
-            match selector.select(&sample, shape).ok()?.bandwidth {
-                Bandwidth::Fixed([h]) => Some(h),
-                _ => None,
-            }
-        })
-        .collect();
-    chosen.sort_by(f64::total_cmp);
-    chosen.get(chosen.len() / 2).copied()
 }

@@ -14,7 +14,7 @@ const PAIRED: usize = 5;
 const APART: usize = 3;
 
 /// The tables about all groups.
-pub(super) fn all(material: &Material<'_>) -> Vec<Table> {
+pub(super) fn all<const D: usize>(material: &Material<'_, D>) -> Vec<Table> {
     let groups = &material.results.groups;
     if groups.len() <= APART {
         return groups
@@ -45,7 +45,7 @@ pub(super) fn all(material: &Material<'_>) -> Vec<Table> {
 }
 
 /// The tables about one group.
-fn of(material: &Material<'_>, group: &Group) -> Vec<Table> {
+fn of<const D: usize>(material: &Material<'_, D>, group: &Group<D>) -> Vec<Table> {
     let name = format!("{}, n = {}", group.name, group.draws);
     let mut tables = Vec::new();
     if group.truth.is_some() {
@@ -62,7 +62,12 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// A column: its heading, and what stands in it for an estimator.
 type Column<'a> = (&'a str, Box<dyn Fn(usize, &Outcome) -> Cell + 'a>);
 
-fn table(title: String, caption: &str, group: &Group, columns: &[Column<'_>]) -> Table {
+fn table<const D: usize>(
+    title: String,
+    caption: &str,
+    group: &Group<D>,
+    columns: &[Column<'_>],
+) -> Table {
     let rows = group.outcomes.iter().enumerate().map(|(number, outcome)| {
         let cells = columns.iter().map(|(_, cell)| cell(number, outcome));
         [Cell::text(&outcome.name)]
@@ -95,7 +100,7 @@ fn measured(heading: &str, measure: Measure) -> Column<'_> {
     (heading, Box::new(cell))
 }
 
-fn errors(name: &str, group: &Group) -> Table {
+fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
     table(
         format!("Errors: {name}"),
         "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. MIRE where the truth is at \
@@ -112,7 +117,7 @@ fn errors(name: &str, group: &Group) -> Table {
     )
 }
 
-fn parts(name: &str, material: &Material<'_>, group: &Group) -> Table {
+fn parts<const D: usize>(name: &str, material: &Material<'_, D>, group: &Group<D>) -> Table {
     let kernels: Vec<Option<Shape>> = (0..group.outcomes.len())
         .map(|number| kernel_of(material, number))
         .collect();
@@ -167,7 +172,7 @@ fn scaled<'a>(
 }
 
 /// The kernel of an estimator, where it has one.
-fn kernel_of(material: &Material<'_>, number: usize) -> Option<Shape> {
+fn kernel_of<const D: usize>(material: &Material<'_, D>, number: usize) -> Option<Shape> {
     let spec = &material.bench.experiment().estimators[number];
     match spec.kind.as_str() {
         "naive" => Some(Shape::Uniform),
@@ -175,7 +180,7 @@ fn kernel_of(material: &Material<'_>, number: usize) -> Option<Shape> {
     }
 }
 
-fn pairs(name: &str, group: &Group) -> Option<Table> {
+fn pairs<const D: usize>(name: &str, group: &Group<D>) -> Option<Table> {
     let few = (2..=PAIRED).contains(&group.outcomes.len());
     if group.truth.is_none() || !few || group.outcomes.first()?.replicates.len() < 2 {
         return None;
