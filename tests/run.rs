@@ -77,7 +77,7 @@ fn tables(bench: &Bench, folder: &RunFolder) -> String {
 
 fn on_threads(threads: usize) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let bench = Bench::new(experiment()).unwrap();
+    let bench = Bench::<1>::new(experiment()).unwrap();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -120,7 +120,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
     let whole = on_threads(2);
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("run");
-    let bench = Bench::new(experiment()).unwrap();
+    let bench = Bench::<1>::new(experiment()).unwrap();
     for limit in [1, 3, 10] {
         let opened = open(&place, bench.experiment(), Existing::Continue);
         let stop = AtomicBool::new(false);
@@ -160,7 +160,7 @@ fn damaged_records_are_computed_again() {
     let whole = on_threads(2);
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("run");
-    let bench = Bench::new(experiment()).unwrap();
+    let bench = Bench::<1>::new(experiment()).unwrap();
     assert_eq!(
         tables(
             &bench,
@@ -190,12 +190,12 @@ fn damaged_records_are_computed_again() {
 fn another_experiment_neither_sees_nor_discards_the_journal_of_this_one() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("run");
-    let bench = Bench::new(experiment()).unwrap();
+    let bench = Bench::<1>::new(experiment()).unwrap();
     let mine = tables(
         &bench,
         &open(&place, bench.experiment(), Existing::Continue),
     );
-    let other = Bench::new(Experiment {
+    let other = Bench::<1>::new(Experiment {
         seed: 4,
         ..experiment()
     })
@@ -266,7 +266,7 @@ fn two_processes_do_not_share_a_folder() {
 fn simulated_errors_agree_with_a_stand_in_whose_errors_are_known() {
     // the mean of ISE splits into bias² and variance up to the correction for the mean's own variance
     let folder = tempfile::tempdir().unwrap();
-    let bench = Bench::new(experiment()).unwrap();
+    let bench = Bench::<1>::new(experiment()).unwrap();
     let opened = open(
         &folder.path().join("run"),
         bench.experiment(),

@@ -116,9 +116,7 @@ impl Sample {
 /// The density of that name, or written as `KIND = { parameters }` with or without braces around it; or what could have been meant.
 pub fn known(text: &str) -> Result<Truth, Stop> {
     if text.contains(['=', '{']) {
-        return read::density(text, "--density")
-            .map(Truth::Line)
-            .map_err(|problems| Stop::problems(&problems));
+        return read::density(text, "--density").map_err(|problems| Stop::problems(&problems));
     }
     let name = text;
     if let Some(density) = density::truth(name) {

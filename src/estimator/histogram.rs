@@ -88,6 +88,29 @@ impl Described for Histogram {
             "an edge of a bin, in the unit of the data",
         )
         .place(),
+        Parameter::optional(
+            "width-y",
+            Kind::Positive,
+            Absent::Unset,
+            "the width of a bin on the second axis; that on the first by default",
+        )
+        .length()
+        .only_in(2),
+        Parameter::optional(
+            "origin-y",
+            Kind::Real,
+            Absent::Unset,
+            "the second coordinate of a corner of a bin; equal to `origin` by default",
+        )
+        .place()
+        .only_in(2),
+        Parameter::optional(
+            "angle",
+            Kind::Real,
+            Absent::Unset,
+            "how far the bins are turned counter-clockwise about the origin, in degrees; 0 by default",
+        )
+        .only_in(2),
     ];
 }
 

@@ -7,6 +7,7 @@
 mod bins;
 mod frequency_polygon;
 mod histogram;
+mod histogram_plane;
 mod kde;
 mod naive;
 mod normal;
@@ -17,6 +18,7 @@ pub use crate::parameter::BuildError;
 pub use crate::theory::{Family, Moments};
 pub use frequency_polygon::FrequencyPolygon;
 pub use histogram::Histogram;
+pub use histogram_plane::HistogramPlane;
 pub use kde::Kde;
 pub use naive::Naive;
 pub use normal::Normal;

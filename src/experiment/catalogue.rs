@@ -141,7 +141,7 @@ const fn both<L: Build<1>, P: Build<2>>() -> Entry {
 
 /// Every estimator; to add one, add a line.
 pub const ESTIMATORS: &[Entry] = &[
-    line::<estimator::Histogram>(),
+    both::<estimator::Histogram, estimator::HistogramPlane>(),
     line::<estimator::ShiftedHistogram>(),
     line::<estimator::FrequencyPolygon>(),
     line::<estimator::Naive>(),

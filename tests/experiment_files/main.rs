@@ -9,8 +9,8 @@ mod schema;
 use changed::CHANGED;
 use density_lab::estimator::Context;
 use density_lab::experiment::{
-    EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Limits, Measure, SourceSpec, Statement, read,
-    summary,
+    EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Limits, Measure, SourceSpec,
+    Statement, read, summary,
 };
 use density_lab::parameter::Value;
 use std::fmt::Write as _;

@@ -1,0 +1,308 @@
+//! The histogram of the plane: rectangular bins on a lattice that may be turned.
+
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Histogram, Laws, Moments,
+};
+use crate::density::Density;
+use crate::numeric::Sum;
+use crate::parameter::{Parameter, Values};
+use crate::sample::Sample;
+use crate::space::{Domain, Field, Point};
+use std::sync::Arc;
+
+/// f̂(x) = (mass in the bin of x) / (width-x · width-y). The lattice of bins has a corner at the origin; its first axis makes the angle with that of
+/// the data. [Scott 1992, section 3.4]
+///
+/// A datum on an edge belongs to the bin beyond it. O((n + m) log n) time and O(n) memory, however many bins the range holds.
+pub struct HistogramPlane {
+    lattice: Lattice,
+}
+
+/// Where the bins lie.
+#[derive(Clone, Copy)]
+struct Lattice {
+    widths: [f64; 2],
+    origin: Point<2>,
+    /// Cosine and sine of the angle.
+    turn: [f64; 2],
+}
+
+impl Lattice {
+    /// The numbers of the bin of `x`, as whole `f64`s, which stay in order far beyond the range of integers. **One formula** for data and targets.
+    fn number(&self, x: Point<2>) -> [f64; 2] {
+        let [u, v] = [x[0] - self.origin[0], x[1] - self.origin[1]];
+        let [cosine, sine] = self.turn;
+        let along = [cosine * u + sine * v, cosine * v - sine * u];
+        [0, 1].map(|k: usize| (along[k] / self.widths[k]).floor())
+    }
+
+    fn area(&self) -> f64 {
+        self.widths[0] * self.widths[1]
+    }
+
+    fn is_turned(&self) -> bool {
+        self.turn[1] != 0.0
+    }
+}
+
+struct Fitted {
+    lattice: Lattice,
+    /// The bins with data, in order.
+    numbers: Vec<[f64; 2]>,
+    heights: Vec<f64>,
+    domain: Domain<2>,
+}
+
+impl Field<2> for Fitted {
+    fn domain(&self) -> &Domain<2> {
+        &self.domain
+    }
+
+    fn at(&self, x: Point<2>) -> f64 {
+        let number = self.lattice.number(x);
+        self.numbers
+            .binary_search_by(|known| order(known, &number))
+            .map_or(0.0, |place| self.heights[place])
+    }
+}
+
+fn order(a: &[f64; 2], b: &[f64; 2]) -> std::cmp::Ordering {
+    // adding 0 makes -0 and 0 the same bin
+    (a[0] + 0.0)
+        .total_cmp(&(b[0] + 0.0))
+        .then((a[1] + 0.0).total_cmp(&(b[1] + 0.0)))
+}
+
+impl HistogramPlane {
+    fn bin(&self, sample: &Sample<2>) -> Result<Fitted, FitError> {
+        let mut placed: Vec<([f64; 2], usize)> = Vec::with_capacity(sample.len());
+        for (i, &x) in sample.points().iter().enumerate() {
+            if sample.weight(i) <= 0.0 {
+                continue;
+            }
+            let number = self.lattice.number(x);
+            if !number.iter().all(|k| k.is_finite()) {
+                return Err(FitError::TooLarge(format!(
+                    "the point ({}, {}) cannot be numbered in bins of {} by {}; choose larger widths",
+                    x[0], x[1], self.lattice.widths[0], self.lattice.widths[1]
+                )));
+            }
+            placed.push((number, i));
+        }
+        placed.sort_unstable_by(|a, b| order(&a.0, &b.0).then(a.1.cmp(&b.1)));
+        let (mut numbers, mut heights) = (Vec::new(), Vec::new());
+        for bin in placed.chunk_by(|a, b| order(&a.0, &b.0).is_eq()) {
+            let mass: Sum = bin.iter().map(|&(_, i)| sample.weight(i)).collect();
+            numbers.push(bin[0].0);
+            heights.push(mass.value() / self.lattice.area());
+        }
+        Ok(Fitted {
+            lattice: self.lattice,
+            numbers,
+            heights,
+            domain: sample.domain().clone(),
+        })
+    }
+}
+
+impl Estimator<2> for HistogramPlane {
+    fn laws(&self) -> Laws {
+        Laws {
+            mass_conserving: true,
+            non_negative: true,
+            linear: true,
+            continuous: false,
+            deterministic: true,
+            scale_equivariant: true,
+            translation_equivariant: true,
+            repeatable: true,
+        }
+    }
+
+    fn fit(&self, sample: &Sample<2>) -> Result<Estimate<2>, FitError> {
+        let channels = (0..sample.channels())
+            .map(|c| Ok(Arc::new(self.bin(&sample.channel(c))?) as Arc<dyn Field<2>>))
+            .collect::<Result<_, FitError>>()?;
+        let mut estimate = Estimate::new(Arc::new(self.bin(sample)?)).with_channels(channels);
+        let [x, y] = self.lattice.widths;
+        estimate.smoothing = Some((x * y).sqrt());
+        Ok(estimate)
+    }
+
+    /// Counts are binomial; bins that are turned have no closed probability.
+    fn expectation(
+        &self,
+        truth: &dyn Density<2>,
+        draws: usize,
+        places: &[Point<2>],
+    ) -> Option<Vec<Moments>> {
+        if self.lattice.is_turned() {
+            return None;
+        }
+        let area = self.lattice.area();
+        let at = |&x: &Point<2>| {
+            let number = self.lattice.number(x);
+            let edge = |k: usize, step: f64| {
+                (number[k] + step).mul_add(self.lattice.widths[k], self.lattice.origin[k])
+            };
+            let share =
+                truth.probability([edge(0, 0.0), edge(1, 0.0)], [edge(0, 1.0), edge(1, 1.0)]);
+            Moments {
+                mean: share / area,
+                variance: share * (1.0 - share) / (draws as f64 * area * area),
+            }
+        };
+        Some(places.iter().map(at).collect())
+    }
+}
+
+impl Described for HistogramPlane {
+    const NAME: &'static str = Histogram::NAME;
+    const SUMMARY: &'static str = Histogram::SUMMARY;
+    const COST: &'static str = "O((n + m) log n)";
+    const REFERENCE: &'static str = Histogram::REFERENCE;
+    const SMOOTHING: Option<&'static str> = Histogram::SMOOTHING;
+    const PARAMETERS: &'static [Parameter] = Histogram::PARAMETERS;
+}
+
+impl Build<2> for HistogramPlane {
+    fn build(values: &Values, context: &Context<2>) -> Result<Self, BuildError> {
+        let x = match (values.number("width"), values.word("width")) {
+            (Some(width), _) => width,
+            (None, word) => asymptotic(word.unwrap_or_default(), context)?,
+        };
+        let degrees = values.number("angle").unwrap_or(0.0);
+        let origin = values.number("origin").unwrap_or(0.0);
+        let turn = if degrees == 0.0 {
+            [1.0, 0.0]
+        } else {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            [cosine, sine]
+        };
+        Ok(Self {
+            lattice: Lattice {
+                widths: [x, values.number("width-y").unwrap_or(x)],
+                origin: [origin, values.number("origin-y").unwrap_or(origin)],
+                turn,
+            },
+        })
+    }
+}
+
+/// The width of square bins of least asymptotic error: h⁴ = 12 / (n ∫|∇f|²). [Scott 1992, section 3.4]
+fn asymptotic(word: &str, context: &Context<2>) -> Result<f64, BuildError> {
+    let error = |what: String| BuildError {
+        parameter: "width",
+        what,
+    };
+    if word != "amise" {
+        return Err(error(format!(
+            "\"{word}\" chooses widths on a line; in the plane give a number, or \"amise\" where the truth is known"
+        )));
+    }
+    let truth = context.truth.as_ref().and_then(|truth| truth.bivariate());
+    let slope = truth
+        .map(crate::density::Bivariate::gradient_roughness)
+        .ok_or_else(|| {
+            error("\"amise\" needs a known density, and that of measured data is not known; give a number".to_owned())
+        })?;
+    let width = (12.0 / (context.draws as f64 * slope)).powf(0.25);
+    if width > 0.0 && width.is_finite() {
+        Ok(width)
+    } else {
+        Err(error(
+            "\"amise\": the asymptotic error does not exist, because the density jumps somewhere (at a wall, say); give a number".to_owned(),
+        ))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::parameter::Value;
+
+    fn histogram(settings: &[(&'static str, f64)]) -> HistogramPlane {
+        let mut values = Values::defaults(HistogramPlane::PARAMETERS);
+        for (name, value) in settings {
+            values.set(name, Value::Number(*value));
+        }
+        let context = Context {
+            truth: None,
+            draws: 10,
+        };
+        HistogramPlane::build(&values, &context).unwrap()
+    }
+
+    fn points() -> Vec<Point<2>> {
+        vec![
+            [0.1, 0.1],
+            [0.4, 0.3],
+            [0.6, 0.1],
+            [-0.2, 0.9],
+            [0.45, 0.95],
+            [0.5, 0.5],
+        ]
+    }
+
+    #[test]
+    fn a_histogram_is_a_count_divided() {
+        let sample = Sample::equal(points(), Domain::whole()).unwrap();
+        let fitted = histogram(&[("width", 0.5), ("width-y", 0.4)])
+            .fit(&sample)
+            .unwrap();
+        let one = 1.0 / 6.0 / 0.2;
+        for (x, count) in [
+            ([0.0, 0.0], 2.0),
+            ([0.499, 0.399], 2.0),
+            ([0.5, 0.0], 1.0),
+            ([0.7, 0.4], 1.0),
+            ([-0.1, 0.8], 1.0),
+            ([3.0, 3.0], 0.0),
+        ] {
+            assert!((fitted.at(x) - count * one).abs() < 1e-15, "{x:?}");
+        }
+    }
+
+    /// Turning the lattice is turning the data the other way.
+    #[test]
+    fn a_turned_lattice_sees_turned_data() {
+        let degrees: f64 = 30.0;
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let turned = |x: Point<2>| [cosine * x[0] - sine * x[1], sine * x[0] + cosine * x[1]];
+        let sample = Sample::equal(points(), Domain::whole()).unwrap();
+        let there =
+            Sample::equal(points().into_iter().map(turned).collect(), Domain::whole()).unwrap();
+        let settings = [("width", 0.37), ("width-y", 0.21)];
+        let straight = histogram(&settings).fit(&sample).unwrap();
+        let tilted = histogram(&[settings[0], settings[1], ("angle", degrees)])
+            .fit(&there)
+            .unwrap();
+        for i in 0..400 {
+            let x = [
+                f64::from(i % 20) * 0.0731 - 0.4,
+                f64::from(i / 20) * 0.0817 - 0.3,
+            ];
+            assert!(
+                (straight.at(x) - tilted.at(turned(x))).abs() < 1e-12,
+                "{x:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn weights_are_mass_and_none_is_nothing() {
+        let weights = vec![3.0, 1.0, 1.0, 1.0, 1.0, 0.0];
+        let sample = Sample::normalised(points(), weights, Domain::whole()).unwrap();
+        let fitted = histogram(&[("width", 0.5)]).fit(&sample).unwrap();
+        assert!((fitted.at([0.2, 0.2]) - 4.0 / 7.0 / 0.25).abs() < 1e-14);
+        assert!(fitted.at([0.7, 0.7]).abs() < 1e-300);
+    }
+
+    #[test]
+    fn numbers_too_large_for_bins_are_refused() {
+        let sample = Sample::equal(vec![[1e300, 0.0]], Domain::whole()).unwrap();
+        let fitted = histogram(&[("width", 1e-200)]).fit(&sample);
+        assert!(matches!(fitted.map(|_| ()), Err(FitError::TooLarge(_))));
+    }
+}
