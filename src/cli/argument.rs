@@ -75,6 +75,31 @@ pub fn grid(text: &str) -> Result<Grid<1>, String> {
     })
 }
 
+/// One for each axis.
+#[derive(Clone, Debug)]
+pub struct Each<T>(pub Vec<T>);
+
+fn each<T>(text: &str, one: impl Fn(&str) -> Result<T, String>) -> Result<Each<T>, String> {
+    let axes: Vec<T> = text.split(',').map(one).collect::<Result<_, _>>()?;
+    if axes.len() > 2 {
+        return Err(format!(
+            "{} axes: data are on a line or in the plane",
+            axes.len()
+        ));
+    }
+    Ok(Each(axes))
+}
+
+/// `LO:HI` or `LO:HI,LO:HI`.
+pub fn domains(text: &str) -> Result<Each<Domain<1>>, String> {
+    each(text, domain)
+}
+
+/// `LO:HI:N` or `LO:HI:N,LO:HI:N`.
+pub fn grids(text: &str) -> Result<Each<Grid<1>>, String> {
+    each(text, grid)
+}
+
 #[cfg(test)]
 mod tests {
     use super::{count, domain, grid, positive, threads};

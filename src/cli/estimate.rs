@@ -1,26 +1,26 @@
 //! `lab estimate`
 
-use super::argument;
+use super::argument::{self, Each};
 use super::estimator::Settings;
 use super::notes::Notes;
 use super::output::{Output, Shortest};
 use super::phases::Phases;
+use super::sketch::{Draws, Sketch};
 use super::stop::Stop;
 use crate::estimator::Context;
-use crate::report::figure::{Axis, Curves, Role, Series};
+use crate::experiment::GridSpec;
+use crate::experiment::catalogue::{Builds, Entry};
 use crate::sample::Sample;
 use crate::sample::file::{Column, Request, read, read_points};
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Cells of the grid where none is asked for.
-const CELLS: usize = 512;
-
 /// Estimate a density from the points of a file
 ///
-/// Reads one column of a CSV file or of a NumPy array, fits an estimator and writes the columns x, density. Without --grid or --at the estimate is
-/// given at the centres of 512 equal cells over the range of the data and three bandwidths more on each side (a quarter of the range where
+/// Reads one column of a CSV file or of a NumPy array, or two for data in the plane, fits an estimator and writes the columns x, density or
+/// x, y, density. Without --grid or --at the estimate is
+/// given at the centres of 512 equal cells (128 by 128 in the plane) over the range of the data and three bandwidths more on each side (a quarter of the range where
 /// the estimator has no bandwidth), cut at the walls of --domain.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -33,6 +33,7 @@ Examples:
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
       --estimator 'kernel = { bandwidth = 0.25 }' --grid 0:6:600 -o density.svg
   lab estimate points.npy --estimator 'kernel = { bandwidth = \"scott\" }' --explain
+  lab estimate hits.csv --column u --column v --estimator 'histogram = { width = 0.05 }' --domain 0:1,0:1 -o map.svg
   cut -d, -f3 table.csv | lab estimate - --estimator 'histogram = { width = 1 }' --at places.csv
 
 lab list estimators shows all with their parameters.")]
@@ -40,9 +41,9 @@ pub struct Estimate {
     /// The data: a CSV file with a header (or of numbers only) or an .npy array; - is stdin
     points: PathBuf,
 
-    /// The column of the data: a name from the header, or a number from 1; not needed if there is only one
+    /// The column of the data: a name from the header, or a number from 1; not needed if there is only one. Twice for data in the plane
     #[arg(long, short, value_name = "NAME")]
-    column: Option<String>,
+    column: Vec<String>,
 
     /// A column of weights; they are scaled to sum to 1
     #[arg(long, short, value_name = "NAME")]
@@ -52,15 +53,15 @@ pub struct Estimate {
     #[arg(long, short, value_name = "TOML")]
     estimator: String,
 
-    /// Where the data may lie, with walls at finite ends: 0:1, 0: or :1
-    #[arg(long, value_name = "LO:HI", value_parser = argument::domain, allow_hyphen_values = true)]
-    domain: Option<Domain<1>>,
+    /// Where the data may lie, with walls at finite ends: 0:1, 0: or :1; in the plane 0:1,0:1
+    #[arg(long, value_name = "LO:HI[,LO:HI]", value_parser = argument::domains, allow_hyphen_values = true)]
+    domain: Option<Each<Domain<1>>>,
 
-    /// Estimate at the centres of N equal cells
-    #[arg(long, value_name = "LO:HI:N", value_parser = argument::grid, allow_hyphen_values = true)]
-    grid: Option<Grid<1>>,
+    /// Estimate at the centres of N equal cells; in the plane of N by M
+    #[arg(long, value_name = "LO:HI:N[,LO:HI:M]", value_parser = argument::grids, allow_hyphen_values = true)]
+    grid: Option<Each<Grid<1>>>,
 
-    /// Estimate at the places in this file: its column of the same name, or x, or the only one
+    /// Estimate at the places in this file: its columns of the same names, or x (and y), or the only one
     #[arg(long, value_name = "TARGETS", conflicts_with = "grid")]
     at: Option<PathBuf>,
 
@@ -78,13 +79,13 @@ pub struct Estimate {
 }
 
 /// Where the estimate is wanted.
-enum Places {
-    Grid(Grid<1>),
-    Points(Vec<Point<1>>),
+pub(super) enum Places<const D: usize> {
+    Grid(Grid<D>),
+    Points(Vec<Point<D>>),
 }
 
-impl Places {
-    fn targets(&self) -> Targets<'_, 1> {
+impl<const D: usize> Places<D> {
+    pub(super) fn targets(&self) -> Targets<'_, D> {
         match self {
             Self::Grid(grid) => Targets::Grid(grid),
             Self::Points(points) => Targets::Points(points),
@@ -94,9 +95,54 @@ impl Places {
 
 impl Estimate {
     pub fn run(&self, notes: Notes) -> Result<(), Stop> {
+        match self.dimensions()? {
+            1 => self.run_in::<1>(notes),
+            _ => self.run_in::<2>(notes),
+        }
+    }
+
+    /// How many axes the data have: as many as there are columns, limits or grids.
+    fn dimensions(&self) -> Result<usize, Stop> {
+        let told = [
+            (
+                "--column",
+                (!self.column.is_empty()).then_some(self.column.len()),
+            ),
+            ("--domain", self.domain.as_ref().map(|each| each.0.len())),
+            ("--grid", self.grid.as_ref().map(|each| each.0.len())),
+        ];
+        let mut told = told
+            .iter()
+            .filter_map(|(name, axes)| Some((*name, (*axes)?)));
+        let Some((first, axes)) = told.next() else {
+            return Ok(1);
+        };
+        if let Some((other, theirs)) = told.find(|(_, theirs)| *theirs != axes) {
+            return Err(Stop::Input(format!(
+                "{first} is about {axes} of the axes and {other} about {theirs}; give one --column, LO:HI and LO:HI:N for each axis"
+            )));
+        }
+        if axes > 2 {
+            return Err(Stop::Input(format!(
+                "{axes} columns: data are on a line or in the plane"
+            )));
+        }
+        Ok(axes)
+    }
+
+    fn run_in<const D: usize>(&self, notes: Notes) -> Result<(), Stop>
+    where
+        Entry: Builds<D>,
+        for<'a> Sketch<'a>: Draws<D>,
+    {
         let settings = Settings::read(&self.estimator, self.engine.as_deref())?;
         let ending = self.output.as_deref().and_then(Path::extension);
         let drawn = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+        if drawn && D == 2 && self.at.is_some() {
+            return Err(Stop::Input(
+                "a map needs a grid: give --grid instead of --at, or write a .csv file".to_owned(),
+            ));
+        }
         let mut output = Output::open(self.output.as_deref())?;
         let mut phases = Phases::default();
 
@@ -128,14 +174,12 @@ impl Estimate {
         })?;
         phases.time("write", || {
             if drawn {
-                let picture = picture(
-                    &settings,
-                    self.column.as_deref(),
-                    &sample,
-                    &places,
-                    &evaluation,
+                let picture = Sketch {
+                    name: settings.name(),
+                    columns: &self.column,
                     continuous,
-                );
+                }
+                .draw(&sample, &places, &evaluation.values);
                 output.write_all(picture.as_bytes())?;
             } else {
                 table(&mut output, &places, &evaluation)?;
@@ -153,12 +197,17 @@ impl Estimate {
         Ok(())
     }
 
-    fn read(&self) -> Result<(Sample<1>, Option<Places>), Stop> {
-        let column = self.column.as_deref();
+    fn read<const D: usize>(&self) -> Result<(Sample<D>, Option<Places<D>>), Stop> {
+        const AXES: [&str; 2] = ["x", "y"];
+        let column = |axis: usize| self.column.get(axis).map(String::as_str);
+        let axes: [usize; D] = std::array::from_fn(|axis| axis);
+        // a line may be the only column; the axes of a plane have names
+        let preferred =
+            |axis: usize| Column::Preferred(if D == 1 { &[] } else { &AXES[axis..=axis] });
         let request = Request {
-            columns: [column.map_or(Column::Preferred(&[]), Column::Named)],
+            columns: axes.map(|axis| column(axis).map_or_else(|| preferred(axis), Column::Named)),
             weight: self.weight.as_deref(),
-            domain: self.domain.clone().unwrap_or_else(Domain::whole),
+            domain: self.domain()?,
         };
         if self.points == Path::new("-") && self.at.as_deref() == Some(Path::new("-")) {
             return Err(Stop::Input(
@@ -167,103 +216,89 @@ impl Estimate {
         }
         let sample = read(&self.points, &request)?;
         let places = match (&self.grid, &self.at) {
-            (Some(grid), _) => Some(Places::Grid(*grid)),
+            (Some(Each(grids)), _) => {
+                let grid = Grid::new(
+                    axes.map(|axis| grids[axis].low()[0]),
+                    axes.map(|axis| grids[axis].high()[0]),
+                    axes.map(|axis| grids[axis].cells()[0]),
+                );
+                Some(Places::Grid(
+                    grid.map_err(|error| Stop::Input(format!("--grid: {error}")))?,
+                ))
+            }
             (None, Some(path)) => {
-                let names = [column.unwrap_or("x"), "x"];
-                Some(Places::Points(read_points(
-                    path,
-                    [Column::Preferred(&names)],
-                )?))
+                let names = axes.map(|axis| [column(axis).unwrap_or(AXES[axis]), AXES[axis]]);
+                let wanted = std::array::from_fn(|axis| Column::Preferred(&names[axis]));
+                Some(Places::Points(read_points(path, wanted)?))
             }
             (None, None) => None,
         };
         Ok((sample, places))
     }
+
+    fn domain<const D: usize>(&self) -> Result<Domain<D>, Stop> {
+        let Some(Each(domains)) = &self.domain else {
+            return Ok(Domain::whole());
+        };
+        let axes: [usize; D] = std::array::from_fn(|axis| axis);
+        Domain::new(
+            axes.map(|axis| domains[axis].low()[0]),
+            axes.map(|axis| domains[axis].high()[0]),
+            axes.map(|axis| domains[axis].sides()[0]),
+        )
+        .map_err(|error| Stop::Input(format!("--domain: {error}")))
+    }
 }
 
 /// The range of the data and something more on each side, within the domain.
-fn around(sample: &Sample<1>, smoothing: Option<f64>) -> Result<Grid<1>, Stop> {
-    let (least, most) = sample
-        .coordinates()
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
-            (low.min(x), high.max(x))
-        });
-    let margin = smoothing.map_or(0.25 * (most - least), |h| 3.0 * h);
+fn around<const D: usize>(sample: &Sample<D>, smoothing: Option<f64>) -> Result<Grid<D>, Stop> {
+    let (mut low, mut high) = ([0.0; D], [0.0; D]);
     let domain = sample.domain();
-    let low = (least - margin).max(domain.low()[0]);
-    let high = (most + margin).min(domain.high()[0]);
-    Grid::new([low], [high], [CELLS]).map_err(|error| {
-        Stop::Input(format!(
-            "no grid fits round the data, {least} to {most}: {error}; give one with --grid LO:HI:N"
-        ))
-    })
+    for axis in 0..D {
+        let (least, most) = sample
+            .points()
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x[axis]), high.max(x[axis]))
+            });
+        let margin = smoothing.map_or(0.25 * (most - least), |h| 3.0 * h);
+        low[axis] = (least - margin).max(domain.low()[axis]);
+        high[axis] = (most + margin).min(domain.high()[axis]);
+        let cells = [GridSpec::default_cells(D)];
+        Grid::new([low[axis]], [high[axis]], cells).map_err(|error| {
+            Stop::Input(format!(
+                "no grid fits round the data, {least} to {most}: {error}; give one with --grid LO:HI:N"
+            ))
+        })?;
+    }
+    Grid::new(low, high, [GridSpec::default_cells(D); D])
+        .map_err(|error| Stop::Input(format!("no grid fits round the data: {error}")))
 }
 
-fn table(output: &mut Output, places: &Places, evaluation: &Evaluation) -> Result<(), Stop> {
-    output.write_all(b"x,density\n")?;
-    for ([x], &density) in places.targets().places().zip(&evaluation.values) {
-        writeln!(output, "{},{}", Shortest(x), Shortest(density))?;
+fn table<const D: usize>(
+    output: &mut Output,
+    places: &Places<D>,
+    evaluation: &Evaluation,
+) -> Result<(), Stop> {
+    output.write_all(if D == 1 {
+        b"x,density\n"
+    } else {
+        &b"x,y,density\n"[..]
+    })?;
+    for (place, &density) in places.targets().places().zip(&evaluation.values) {
+        for coordinate in place {
+            write!(output, "{},", Shortest(coordinate))?;
+        }
+        writeln!(output, "{}", Shortest(density))?;
     }
     Ok(())
 }
 
-/// The estimate over its data.
-fn picture(
-    settings: &Settings,
-    column: Option<&str>,
-    sample: &Sample<1>,
-    places: &Places,
-    evaluation: &Evaluation,
-    continuous: bool,
-) -> String {
-    // more ticks than this are a grey bar at any size
-    const TICKS: usize = 100_000;
-    let mut curve: Vec<(f64, f64)> = places
-        .targets()
-        .places()
-        .map(|[x]| x)
-        .zip(evaluation.values.iter().copied())
-        .collect();
-    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut x, y): (Vec<f64>, Vec<f64>) = curve.into_iter().unzip();
-    let role = match places {
-        Places::Grid(grid) if !continuous => {
-            x = (0..=grid.len())
-                .map(|i| (i as f64).mul_add(grid.width(0), grid.low()[0]))
-                .collect();
-            Role::Steps(0)
-        }
-        _ => Role::Estimate(0),
-    };
-    Curves {
-        title: settings.name().to_owned(),
-        description: format!("The estimated density of {} points.", sample.len()),
-        x: Axis::new(column.unwrap_or("x"), ""),
-        y: Axis::new("density", ""),
-        series: vec![Series {
-            name: "estimate".to_owned(),
-            x,
-            y,
-            role,
-        }],
-        rug: sample
-            .coordinates()
-            .iter()
-            .step_by(sample.len().div_ceil(TICKS))
-            .copied()
-            .collect(),
-        ..Curves::default()
-    }
-    .draw()
-    .to_string()
-}
-
-fn explain(
+fn explain<const D: usize>(
     notes: Notes,
-    sample: &Sample<1>,
+    sample: &Sample<D>,
     smoothing: Option<f64>,
-    places: &Places,
+    places: &Places<D>,
     evaluation: &Evaluation,
 ) {
     notes.say(&format!("points {}", sample.len()));

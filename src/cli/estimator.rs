@@ -60,7 +60,10 @@ impl Settings {
     ///
     /// # Errors
     /// If the settings do not go together, or need something that is not known here.
-    pub fn build(&self, context: &Context<1>) -> Result<Box<dyn Estimator<1>>, Stop> {
+    pub fn build<const D: usize>(&self, context: &Context<D>) -> Result<Box<dyn Estimator<D>>, Stop>
+    where
+        Entry: Builds<D>,
+    {
         self.entry
             .build(&self.spec.values, context)
             .map_err(|error| {

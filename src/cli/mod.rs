@@ -17,6 +17,7 @@ mod phases;
 mod run;
 mod sample;
 mod schema;
+mod sketch;
 mod stop;
 mod summary;
 
