@@ -140,7 +140,7 @@ const fn taylor(first: u32) -> [f64; 11] {
 }
 
 /// Up to x²⁰ and x²¹: on |x| ≤ π/2 the first term left out is below 2e-17.
-const COSINE: [f64; 11] = taylor(0);
+pub(super) const COSINE: [f64; 11] = taylor(0);
 const SINE: [f64; 11] = taylor(1);
 
 impl Basis<2> for Waves {

@@ -9,6 +9,7 @@
 //! | interval | compact kernels, fixed width, a line | a grid | rounding | n + m | `interval/` |
 //! | sorted | compact kernels, fixed width, a line | any | rounding | n log n + m | `sorted.rs` |
 //! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
+//! | gather, splat, mesh, hermite, binned | the plane, see [`plane`] | | | | `plane/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
 
 mod basis;
@@ -20,6 +21,7 @@ mod interval;
 mod ladder;
 mod pieces;
 mod plan;
+pub mod plane;
 mod sorted;
 
 pub use binned::Binned;
@@ -27,6 +29,7 @@ pub use direct::Direct;
 pub use hermite::Hermite;
 pub use interval::Interval;
 pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
+pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, Splat};
 pub use sorted::Sorted;
 
 use crate::kernel::KernelSum;

@@ -144,8 +144,8 @@ pub const ESTIMATORS: &[Entry] = &[
     both::<estimator::Histogram, estimator::HistogramPlane>(),
     line::<estimator::ShiftedHistogram>(),
     line::<estimator::FrequencyPolygon>(),
-    line::<estimator::Naive>(),
-    line::<estimator::Kde>(),
+    both::<estimator::Naive, estimator::Naive<2>>(),
+    both::<estimator::Kde, estimator::Kde<2>>(),
     both::<estimator::Normal, estimator::Normal>(),
 ];
 

@@ -1,9 +1,11 @@
 //! Sample → bandwidth.
 
 mod bin_width;
+mod plane;
 mod rules;
 
 pub use bin_width::{BinWidth, freedman_diaconis, frequency_polygon, scott, shifted_histogram};
+pub use plane::NormalScale;
 pub use rules::{NormalReference, Scott, Silverman};
 
 use crate::kernel::{Bandwidth, Shape};

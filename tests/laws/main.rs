@@ -6,4 +6,5 @@ mod density;
 mod engine;
 mod estimator;
 mod plane_density;
+mod plane_engine;
 mod theory;

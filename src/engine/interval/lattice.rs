@@ -10,7 +10,7 @@ use crate::space::Grid;
 const MOST_CELLS: usize = 1 << 21;
 
 /// The grid as the data see it: positions t = (x - x₀) / width, windows of `reach` to both sides.
-pub(super) struct Lattice<'a> {
+pub(in crate::engine) struct Lattice<'a> {
     pub grid: &'a Grid<1>,
     pub h: f64,
     pub first: f64,
@@ -30,7 +30,11 @@ pub(super) struct Lattice<'a> {
 const NEGLIGIBLE: f64 = 4e-13;
 
 impl<'a> Lattice<'a> {
-    pub(super) fn new(grid: &'a Grid<1>, h: f64, shape: Shape) -> Result<Self, Unsupported> {
+    pub(in crate::engine) fn new(
+        grid: &'a Grid<1>,
+        h: f64,
+        shape: Shape,
+    ) -> Result<Self, Unsupported> {
         let (width, cells) = (grid.width(0), grid.len());
         if cells > MOST_CELLS {
             return Err(Unsupported(format!(
@@ -65,12 +69,12 @@ impl<'a> Lattice<'a> {
         })
     }
 
-    pub(super) fn intervals(&self) -> usize {
+    pub(in crate::engine) fn intervals(&self) -> usize {
         (2 + usize::from(self.kink)) * self.grid.len() + 1
     }
 
     /// Half the longest interval, in units of h.
-    fn half_interval(&self) -> f64 {
+    pub(in crate::engine) fn half_interval(&self) -> f64 {
         // intervals are at most a cell or a window long; those that lie under all windows may be as long as the windows
         let wide = self.grid.len() as f64 <= 2.0 * self.reach;
         if wide {
@@ -105,7 +109,7 @@ impl<'a> Lattice<'a> {
 }
 
 /// The intervals in ascending order, and those under the window of each grid point.
-pub(super) struct Partition {
+pub(in crate::engine) struct Partition {
     /// Where interval k begins; it ends where k + 1 begins. The first and the last, beyond all windows, have no length.
     pub edges: Vec<f64>,
     pub centres: Vec<f64>,
@@ -116,7 +120,7 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    pub(super) fn new(lattice: &Lattice<'_>) -> Self {
+    pub(in crate::engine) fn new(lattice: &Lattice<'_>) -> Self {
         let cells = lattice.grid.len();
         let rows = (2 + usize::from(lattice.kink)) * cells + 1;
         let shifts = [-lattice.reach, 0.0, lattice.reach];

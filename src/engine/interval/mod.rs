@@ -24,7 +24,7 @@ use super::{Engine, Quote, Unsupported};
 use crate::kernel::{Form, Kernel, KernelSum, Shape};
 use crate::sample::Weights;
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
-use lattice::{Lattice, Partition};
+pub(super) use lattice::{Lattice, Partition};
 use rayon::prelude::*;
 use sweep::sweep;
 

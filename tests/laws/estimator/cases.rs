@@ -125,6 +125,11 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
     let words = |words: &[&str]| -> Vec<Value> {
         words.iter().map(|&w| Value::Word(w.to_owned())).collect()
     };
+    if parameter.name == "engine" {
+        // those of the plane are judged by the laws of engines
+        let names: Vec<&str> = density_lab::engine::LINE.iter().map(|e| e.name()).collect();
+        return words(&[&["auto"], names.as_slice()].concat());
+    }
     if parameter.name == "tolerance" {
         // how far an approximate engine may be off is judged by the laws of engines
         return numbers(&[1e-12, 1e-11]);

@@ -1,0 +1,45 @@
+//! Kernel sums in the plane.
+//!
+//! | engine | sums | targets | cost | file |
+//! |---|---|---|---|---|
+//! | gather | any kernel, any width rule | any | n + m · (data within reach) | `gather.rs` |
+//! | splat | any kernel, fixed width or one a point | a grid | n · (cells within reach) + m | `splat/` |
+//! | mesh | compact product kernels, fixed width | a grid | n + m | `mesh.rs` |
+//! | binned | Gaussian, fixed width | a grid | n + nodes · (nodes within reach on an axis) | `binned.rs` |
+//! | hermite | Gaussian, fixed width | a grid | n + m · (cells within reach on an axis) | `hermite/` |
+//!
+//! All are exact to the tolerance, at best 10⁻¹² of the ceiling mass × K(0) / (h₁ h₂), and are judged by the definition, [`Direct`](super::Direct).
+
+mod binned;
+mod gather;
+mod hermite;
+mod look;
+mod mesh;
+mod pieces;
+mod profile;
+mod splat;
+
+pub use binned::BinnedGrid;
+pub use gather::Gather;
+pub use hermite::HermiteGrid;
+pub use mesh::Mesh;
+pub use splat::Splat;
+
+use super::{Direct, Engine};
+use crate::kernel::KernelSum;
+use crate::space::{Evaluation, Field, Point, Targets};
+use rayon::prelude::*;
+
+/// The engines of the plane. To add one is to add it here; the laws find it.
+pub const PLANE: &[&dyn Engine<2>] = &[&Direct, &Gather, &Splat, &Mesh, &HermiteGrid, &BinnedGrid];
+
+/// What a quote refuses is still answered, slowly.
+fn by_definition(sum: &KernelSum<2>, targets: Targets<'_, 2>, name: &'static str) -> Evaluation {
+    let places: Vec<Point<2>> = targets.places().collect();
+    Evaluation {
+        values: places.into_par_iter().map(|x| sum.at(x)).collect(),
+        error: 4.0 * f64::EPSILON,
+        engine: Some(name),
+        ..Evaluation::default()
+    }
+}
