@@ -22,6 +22,7 @@
 //! | [`space`] | points, domains, grids, fields |
 //! | [`density`] | known truths |
 //! | [`sample`] | weighted points on a domain, and where they come from |
+//! | [`neighbour`] | the nearest points of a sample |
 //! | [`kernel`] | the bump, its width, and the sum of bumps |
 //! | [`theory`] | exact expectations, errors and optima without simulation |
 //! | [`engine`] | computing that sum |
@@ -41,6 +42,7 @@ pub mod estimator;
 pub mod experiment;
 pub mod kernel;
 pub mod memory;
+pub mod neighbour;
 pub mod numeric;
 pub mod parameter;
 pub mod random;

@@ -1,0 +1,134 @@
+//! The nearest points of a sample: how far away the k-th is, and which they are.
+//!
+//! A density needs the distance to the k-th neighbour, not a sorted list of k of them, and that is much cheaper. All finders agree on it to the
+//! last bit; they differ in cost.
+//!
+//! | finder | dimension | building | a query | file |
+//! |---|---|---|---|---|
+//! | brute | any | n | n | `brute.rs` |
+//! | sorted | 1 | n log n | log n | `sorted.rs` |
+//! | cells | 2, points not too unevenly spread | n | √k + the points near the circle | `cells/` |
+//! | tree | 2, any spread | n log n | log n + k | `tree.rs` |
+//!
+//! **Which points count.** Those of positive weight, each once, whatever its weight: k counts points, not mass. Points at one place are as many
+//! neighbours as they are points. A point at the target is its neighbour at distance zero.
+//!
+//! **Where.** On periodic axes the shorter way round counts. Walls do not: the ball about a place near a wall is a whole ball.
+
+mod brute;
+mod cells;
+mod kept;
+mod metric;
+mod sorted;
+mod tree;
+
+pub use brute::Brute;
+pub use cells::Cells;
+pub use metric::Metric;
+pub use sorted::Sorted;
+pub use tree::Tree;
+
+use crate::sample::Sample;
+use crate::space::Point;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Memory that a finder uses again from query to query, with what it remembers of the last one. Never changes an answer.
+#[derive(Debug, Default)]
+pub struct Scratch<const D: usize> {
+    /// Squared distances as bits, whose order is that of the numbers.
+    bits: Vec<u64>,
+    /// What the tree remembers.
+    memory: tree::Memory<D>,
+}
+
+/// Finds the neighbours of places among the points of positive weight of one sample.
+pub trait Neighbours<const D: usize>: Send + Sync {
+    /// The name in tables.
+    fn name(&self) -> &'static str;
+
+    /// How many points there are; each is a neighbour.
+    fn count(&self) -> usize;
+
+    /// What near means.
+    fn metric(&self) -> &Metric<D>;
+
+    /// The **squared** distance from `target` to the `k`-th nearest point, 1 ≤ k ≤ `count`; infinite if it overflows.
+    ///
+    /// # Panics
+    /// For any other k.
+    fn distance(&self, target: Point<D>, k: usize, scratch: &mut Scratch<D>) -> f64;
+
+    /// Shows each point whose **squared** distance from `target` is at most `squared`: its number in the sample and its squared distance, in
+    /// an order that depends on nothing but the sample and the target.
+    fn within(&self, target: Point<D>, squared: f64, show: &mut dyn FnMut(usize, f64));
+}
+
+/// A sample whose dimension has finders.
+pub trait Searchable<const D: usize> {
+    /// The finder expected to be fastest.
+    fn neighbours(&self) -> Arc<dyn Neighbours<D>>;
+}
+
+impl Searchable<1> for Sample<1> {
+    fn neighbours(&self) -> Arc<dyn Neighbours<1>> {
+        Arc::new(Sorted::new(self))
+    }
+}
+
+/// Fewer points than this are not worth a structure: scanning them all takes less than a microsecond.
+const FEW: usize = 64;
+
+impl Searchable<2> for Sample<2> {
+    fn neighbours(&self) -> Arc<dyn Neighbours<2>> {
+        if self.len() <= FEW || !squares(self.points()) {
+            return Arc::new(Brute::new(self));
+        }
+        match Cells::new(self) {
+            Some(cells) => Arc::new(cells),
+            None => Arc::new(Tree::new(self)),
+        }
+    }
+}
+
+/// Whether squares of distances between these points neither overflow nor lose digits.
+fn squares(points: &[Point<2>]) -> bool {
+    let [x, y] = points[0];
+    let extent = points
+        .iter()
+        .map(|p| (p[0] - x).abs().max((p[1] - y).abs()))
+        .fold(0.0, f64::max);
+    (1e-130..1e150).contains(&extent) && x.abs().max(y.abs()) < 1e150
+}
+
+/// What `look` finds at each of `targets`, in their order, in parallel. Each answer depends on its target alone, so the bits do not depend on
+/// the number of threads.
+pub fn at_each<const D: usize, T: Send>(
+    targets: &[Point<D>],
+    look: impl Fn(Point<D>, &mut Scratch<D>) -> T + Sync,
+) -> Vec<T> {
+    /// Long enough that memory of the last query is worth having, short enough to share the work evenly.
+    const BLOCK: usize = 256;
+    let blocks: Vec<Vec<T>> = targets
+        .par_chunks(BLOCK)
+        .map_init(Scratch::default, |scratch, block| {
+            block.iter().map(|&x| look(x, scratch)).collect()
+        })
+        .collect();
+    blocks.into_iter().flatten().collect()
+}
+
+/// The `k`-th smallest of some squared distances given as bits, k from 1.
+fn select(bits: &mut [u64], k: usize) -> f64 {
+    f64::from_bits(*bits.select_nth_unstable(k - 1).1)
+}
+
+fn check(k: usize, count: usize) {
+    assert!(
+        (1..=count).contains(&k),
+        "neighbour {k} of {count} points was asked for"
+    );
+}
+
+#[cfg(test)]
+mod tests;
