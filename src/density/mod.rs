@@ -63,6 +63,11 @@ pub trait Density<const D: usize>: Field<D> {
     /// A box outside which at most `tail` of the mass lies on each side of each axis; finite.
     fn bulk(&self, tail: f64) -> (Point<D>, Point<D>);
 
+    /// The value, where it is the same on all of the domain.
+    fn level(&self) -> Option<f64> {
+        None
+    }
+
     /// The same density with what only exists on a line, in one dimension.
     fn univariate(&self) -> Option<&dyn Univariate> {
         None

@@ -68,6 +68,10 @@ impl Density<1> for Uniform {
         ([self.low], [self.high])
     }
 
+    fn level(&self) -> Option<f64> {
+        Some(1.0 / self.length())
+    }
+
     fn univariate(&self) -> Option<&dyn Univariate> {
         Some(self)
     }

@@ -4,12 +4,15 @@
 //! To add an estimator: one file here with its [`Described`] constants, one line in `experiment/catalogue.rs`, one experiment that asks why
 //! it should exist.
 
+mod balloon;
 mod bins;
 mod frequency_polygon;
+mod generalised_nearest_neighbour;
 mod histogram;
 mod histogram_plane;
 mod kde;
 mod naive;
+mod nearest_neighbour;
 mod normal;
 mod shifted_histogram;
 mod width;
@@ -17,10 +20,12 @@ mod width;
 pub use crate::parameter::BuildError;
 pub use crate::theory::{Family, Moments};
 pub use frequency_polygon::FrequencyPolygon;
+pub use generalised_nearest_neighbour::GeneralisedNearestNeighbour;
 pub use histogram::Histogram;
 pub use histogram_plane::HistogramPlane;
 pub use kde::Kde;
 pub use naive::Naive;
+pub use nearest_neighbour::NearestNeighbour;
 pub use normal::Normal;
 pub use shifted_histogram::ShiftedHistogram;
 

@@ -146,6 +146,8 @@ pub const ESTIMATORS: &[Entry] = &[
     line::<estimator::FrequencyPolygon>(),
     both::<estimator::Naive, estimator::Naive<2>>(),
     both::<estimator::Kde, estimator::Kde<2>>(),
+    both::<estimator::NearestNeighbour, estimator::NearestNeighbour>(),
+    both::<estimator::GeneralisedNearestNeighbour, estimator::GeneralisedNearestNeighbour>(),
     both::<estimator::Normal, estimator::Normal>(),
 ];
 

@@ -34,7 +34,7 @@ impl<const D: usize> Neighbours<D> for Brute<D> {
         &self.metric
     }
 
-    fn distance(&self, target: Point<D>, k: usize, scratch: &mut Scratch<D>) -> f64 {
+    fn distance(&self, target: Point<D>, k: usize, scratch: &mut Scratch) -> f64 {
         check(k, self.count());
         let home = self.metric.home(target);
         scratch.bits.clear();

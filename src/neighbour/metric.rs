@@ -43,6 +43,20 @@ impl<const D: usize> Metric<D> {
         self.periods.iter().any(|period| period.is_finite())
     }
 
+    /// Whether every axis wraps round.
+    pub fn round(&self) -> bool {
+        self.periods.iter().all(|period| period.is_finite())
+    }
+
+    /// The longest way across the domain where every axis wraps round, without taking the shorter way.
+    pub fn diagonal(&self) -> f64 {
+        self.periods
+            .iter()
+            .map(|period| period * period)
+            .sum::<f64>()
+            .sqrt()
+    }
+
     /// The place in the domain that `x` is on an axis that wraps round; `x` itself on the others.
     pub fn home(&self, mut x: Point<D>) -> Point<D> {
         for axis in 0..D {

@@ -35,11 +35,11 @@ use std::sync::Arc;
 
 /// Memory that a finder uses again from query to query, with what it remembers of the last one. Never changes an answer.
 #[derive(Debug, Default)]
-pub struct Scratch<const D: usize> {
+pub struct Scratch {
     /// Squared distances as bits, whose order is that of the numbers.
     bits: Vec<u64>,
     /// What the tree remembers.
-    memory: tree::Memory<D>,
+    memory: tree::Memory,
 }
 
 /// Finds the neighbours of places among the points of positive weight of one sample.
@@ -57,7 +57,7 @@ pub trait Neighbours<const D: usize>: Send + Sync {
     ///
     /// # Panics
     /// For any other k.
-    fn distance(&self, target: Point<D>, k: usize, scratch: &mut Scratch<D>) -> f64;
+    fn distance(&self, target: Point<D>, k: usize, scratch: &mut Scratch) -> f64;
 
     /// Shows each point whose **squared** distance from `target` is at most `squared`: its number in the sample and its squared distance, in
     /// an order that depends on nothing but the sample and the target.
@@ -105,7 +105,7 @@ fn squares(points: &[Point<2>]) -> bool {
 /// the number of threads.
 pub fn at_each<const D: usize, T: Send>(
     targets: &[Point<D>],
-    look: impl Fn(Point<D>, &mut Scratch<D>) -> T + Sync,
+    look: impl Fn(Point<D>, &mut Scratch) -> T + Sync,
 ) -> Vec<T> {
     /// Long enough that memory of the last query is worth having, short enough to share the work evenly.
     const BLOCK: usize = 256;

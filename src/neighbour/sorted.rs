@@ -58,8 +58,7 @@ impl Sorted {
         if (0..n).contains(&i) {
             return self.points[i as usize];
         }
-        self.points[i.rem_euclid(n) as usize]
-            + i.div_euclid(n) as f64 * self.metric.period(0)
+        self.points[i.rem_euclid(n) as usize] + i.div_euclid(n) as f64 * self.metric.period(0)
     }
 
     /// Where the k nearest to `t` begin, as a number for [`Sorted::turned`].
@@ -97,7 +96,7 @@ impl Sorted {
 
     /// On the circle, where the formula of the distance rounds otherwise than a turned coordinate: what is surely nearer than `radius` is counted,
     /// what is about there is measured.
-    fn settle(&self, t: f64, radius: f64, k: usize, scratch: &mut Scratch<1>) -> f64 {
+    fn settle(&self, t: f64, radius: f64, k: usize, scratch: &mut Scratch) -> f64 {
         let n = self.points.len() as isize;
         let right = self.points.partition_point(|&x| x < t) as isize;
         let (sure, possible) = (radius - self.slack, radius + self.slack);
@@ -131,7 +130,7 @@ impl Neighbours<1> for Sorted {
         &self.metric
     }
 
-    fn distance(&self, target: Point<1>, k: usize, scratch: &mut Scratch<1>) -> f64 {
+    fn distance(&self, target: Point<1>, k: usize, scratch: &mut Scratch) -> f64 {
         check(k, self.count());
         let [t] = self.metric.home(target);
         let first = self.window(t, k);
@@ -152,10 +151,7 @@ impl Neighbours<1> for Sorted {
         let right = self.points.partition_point(|&x| x < t) as isize;
         let (up, down) = if self.wraps() {
             let down = self.run(right - 1, -1, |x| t - x <= reach);
-            (
-                self.run(right, 1, |x| x - t <= reach).min(n - down),
-                down,
-            )
+            (self.run(right, 1, |x| x - t <= reach).min(n - down), down)
         } else {
             let first = self.points.partition_point(|&x| t - x > reach) as isize;
             let end = self.points.partition_point(|&x| x - t <= reach) as isize;

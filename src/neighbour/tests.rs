@@ -38,7 +38,13 @@ fn compare<const D: usize>(
                     all.sort_unstable();
                     all
                 };
-                prop_assert_eq!(list(brute), list(finder), "{} within {}", finder.name(), squared);
+                prop_assert_eq!(
+                    list(brute),
+                    list(finder),
+                    "{} within {}",
+                    finder.name(),
+                    squared
+                );
             }
         }
     }

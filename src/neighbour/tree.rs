@@ -11,9 +11,9 @@ use std::num::NonZeroUsize;
 /// A k-d tree over the distinct places of the points.
 ///
 /// Points at one place are stored once, with how many they are: the tree keeps them in one leaf, which would be scanned as a whole. The tree finds
-/// all within a radius fast and the nearest in order slowly, so the radius comes from the last query where that is near, by the triangle inequality: it holds
-/// k points for sure. Where such a radius turns out to hold far too many (a dense cluster at a distance), the next queries go the slow way, which is
-/// never worse than k log k, until the loss is made good.
+/// all within a radius fast and the nearest in order slowly, so the radius is guessed from the last query and enlarged where it holds too few. Where
+/// it holds far too many (a dense cluster at a distance), the next queries go the slow way, which is never worse than k log k, until the loss
+/// is made good. The answer does not depend on the guess.
 ///
 /// On periodic axes the images of the target are asked for.
 ///
@@ -29,11 +29,12 @@ pub struct Tree {
 
 /// What is remembered of the last query.
 #[derive(Debug, Default)]
-pub struct Memory<const D: usize> {
-    last: Option<(Point<D>, usize, f64)>,
+pub struct Memory {
+    /// k and the squared distance.
+    last: Option<(usize, f64)>,
     /// Points that were looked at in vain and not yet made good.
     debt: usize,
-    /// Squared distances with how many points are there.
+    /// Squared distances with a place or how many points are there.
     found: Vec<(f64, u32)>,
     /// Places found, where images can meet.
     seen: Vec<u32>,
@@ -161,32 +162,87 @@ impl Tree {
         }
     }
 
+    /// The squared distances of the `k` nearest places, images apart, in the tree's own rounding, as long as nothing overflows.
+    fn nearest(&self, home: Point<2>, k: usize) -> Option<Vec<(f64, u32)>> {
+        let some = NonZeroUsize::new(k.min(self.places.len())).expect("k is at least 1");
+        home.iter().all(|x| x.abs() < 1e150).then(|| {
+            self.tree
+                .query(&home)
+                .nearest_n::<SquaredEuclidean<f64>>(some)
+                .execute()
+                .iter()
+                .map(|hit| (hit.distance, hit.item))
+                .collect()
+        })
+    }
+
     /// A squared radius that holds at least `k` points, found the slow way.
     fn enough(&self, home: Point<2>, k: usize) -> f64 {
-        let some = NonZeroUsize::new(k.min(self.places.len())).expect("k is at least 1");
-        if !home.iter().all(|x| x.abs() < 1e150) {
-            return f64::INFINITY;
+        // on the way round the bound is perhaps larger than it need be
+        self.nearest(home, k).map_or(f64::INFINITY, |list| {
+            list.iter()
+                .map(|&(_, i)| self.metric.squared(home, self.places[i as usize]))
+                .fold(0.0, f64::max)
+        })
+    }
+
+    /// The k-th squared distance where images or ties make it necessary to look at each place.
+    fn carefully(&self, home: Point<2>, k: usize, memory: &mut Memory) -> f64 {
+        let radius = self.enough(home, k);
+        let Memory { found, seen, .. } = memory;
+        found.clear();
+        self.places_within(home, radius, seen, |i, d| {
+            found.push((d, self.multiplicity(i)));
+        });
+        select(found, k)
+    }
+
+    /// The same where there is one point at each place and no axis wraps round: from a radius that should hold k points, or in order.
+    fn quickly(&self, home: Point<2>, k: usize, memory: &mut Memory) -> f64 {
+        let guess = memory
+            .last
+            .filter(|(many, squared)| *many == k && memory.debt == 0 && *squared > 0.0);
+        if let Some((_, last)) = guess {
+            let mut squared = last * (1.0 + 2.0 / (k as f64).sqrt());
+            for _ in 0..3 {
+                let found = &mut memory.found;
+                found.clear();
+                if squared.is_finite() && home.iter().all(|x| x.abs() < 1e150) {
+                    self.tree
+                        .query(&home)
+                        .within::<SquaredEuclidean<f64>>(squared)
+                        .unsorted()
+                        .visit(|hit| found.push((hit.distance, hit.item)));
+                }
+                memory.debt += found.len().saturating_sub(4 * k);
+                if found.len() >= k {
+                    let at = found.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0));
+                    let (distance, item) = *at.1;
+                    if self.agrees(home, distance, item) {
+                        return distance;
+                    }
+                    break;
+                }
+                squared *= (1.5 * k as f64 / found.len().max(1) as f64).clamp(1.5, 8.0);
+            }
         }
-        // the target's own image alone gives an upper bound on the way round
-        self.tree
-            .query(&home)
-            .nearest_n::<SquaredEuclidean<f64>>(some)
-            .execute()
-            .iter()
-            .map(|hit| self.metric.squared(home, self.places[hit.item as usize]))
-            .fold(0.0, f64::max)
+        memory.debt = memory.debt.saturating_sub(8 * k + 64);
+        let last = self.nearest(home, k).and_then(|list| list.last().copied());
+        match last {
+            Some((distance, item)) if self.agrees(home, distance, item) => distance,
+            _ => self.carefully(home, k, memory),
+        }
+    }
+
+    /// Whether the tree rounds as the metric does.
+    fn agrees(&self, home: Point<2>, distance: f64, item: u32) -> bool {
+        let metric = self.metric.squared(home, self.places[item as usize]);
+        metric.to_bits() == distance.to_bits()
     }
 }
 
 /// The distance to the `k`-th of points of which `u32` are at each distance.
 fn select(found: &mut [(f64, u32)], k: usize) -> f64 {
-    let singles = found.iter().all(|(_, many)| *many == 1);
-    if singles {
-        return found
-            .select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0))
-            .1
-            .0;
-    }
     found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let mut points = 0;
     found
@@ -212,36 +268,17 @@ impl Neighbours<2> for Tree {
         &self.metric
     }
 
-    fn distance(&self, target: Point<2>, k: usize, scratch: &mut Scratch<2>) -> f64 {
+    fn distance(&self, target: Point<2>, k: usize, scratch: &mut Scratch) -> f64 {
         check(k, self.count());
         let home = self.metric.home(target);
         let memory = &mut scratch.memory;
-        let guess = memory
-            .last
-            .filter(|(_, many, _)| *many == k && memory.debt == 0)
-            .map(|(place, _, radius)| {
-                let radius = radius + self.metric.squared(place, home).sqrt();
-                radius * radius * SAFE
-            });
-        let radius = match guess {
-            Some(squared) if squared.is_finite() => squared,
-            _ => {
-                memory.debt = memory.debt.saturating_sub(8 * k + 64);
-                self.enough(home, k)
-            }
+        let single = self.places.len() == self.numbers.len();
+        let distance = if single && !self.metric.wraps() {
+            self.quickly(home, k, memory)
+        } else {
+            self.carefully(home, k, memory)
         };
-        let (mut found, mut seen) = (
-            std::mem::take(&mut memory.found),
-            std::mem::take(&mut memory.seen),
-        );
-        found.clear();
-        self.places_within(home, radius, &mut seen, |i, d| {
-            found.push((d, self.multiplicity(i)));
-        });
-        let distance = select(&mut found, k);
-        memory.debt += found.len().saturating_sub(4 * k + 64);
-        memory.last = Some((home, k, distance.sqrt()));
-        (memory.found, memory.seen) = (found, seen);
+        memory.last = Some((k, distance));
         distance
     }
 

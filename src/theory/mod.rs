@@ -2,7 +2,7 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`] |
+//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`neighbour_moments`] |
 //! | the same of any estimate that is Σ κ(x, Xᵢ) / n | [`equivalent_moments`] |
 //! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`] |
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
@@ -31,6 +31,7 @@ mod family;
 mod histogram;
 mod integrated;
 mod kernel;
+mod neighbour;
 mod optimum;
 mod plane;
 mod pointwise;
@@ -41,6 +42,7 @@ pub use family::Family;
 pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;
+pub use neighbour::{Convention, best_neighbours, neighbour_moments};
 pub use optimum::{Optimum, Oracle};
 pub use plane::{PlaneKernelError, kernel_oracle, plane_kernel_moments};
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};

@@ -95,7 +95,11 @@ impl Axis {
         let reach = reach.mul_add(self.inverse, -Self::slack(place));
         let from = ((place - reach).ceil() as isize).clamp(outer.0, outer.1);
         let to = ((place + reach).floor() as isize).clamp(outer.0, outer.1);
-        if from < to { (from, to) } else { (outer.0, outer.0) }
+        if from < to {
+            (from, to)
+        } else {
+            (outer.0, outer.0)
+        }
     }
 
     /// The cells at most `steps` away from `centre`.

@@ -91,7 +91,9 @@ impl Cells {
     /// Points in a rectangle of cells of the grid.
     fn inside(&self, columns: (usize, usize), rows: (usize, usize)) -> usize {
         let at = |column: usize, row: usize| self.sums[column * (self.rows() + 1) + row] as usize;
-        at(columns.1, rows.1) + at(columns.0, rows.0) - at(columns.0, rows.1) - at(columns.1, rows.0)
+        at(columns.1, rows.1) + at(columns.0, rows.0)
+            - at(columns.0, rows.1)
+            - at(columns.1, rows.0)
     }
 }
 
@@ -136,8 +138,7 @@ fn table(counts: &[u32], columns: usize, rows: usize) -> Vec<u32> {
         let mut along = 0;
         for row in 0..rows {
             along += counts[column * rows + row];
-            sums[(column + 1) * (rows + 1) + row + 1] =
-                sums[column * (rows + 1) + row + 1] + along;
+            sums[(column + 1) * (rows + 1) + row + 1] = sums[column * (rows + 1) + row + 1] + along;
         }
     }
     sums
@@ -156,7 +157,7 @@ impl Neighbours<2> for Cells {
         &self.metric
     }
 
-    fn distance(&self, target: Point<2>, k: usize, scratch: &mut Scratch<2>) -> f64 {
+    fn distance(&self, target: Point<2>, k: usize, scratch: &mut Scratch) -> f64 {
         check(k, self.count());
         let home = self.metric.home(target);
         if self.metric.wraps() {

@@ -134,6 +134,10 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
         // how far an approximate engine may be off is judged by the laws of engines
         return numbers(&[1e-12, 1e-11]);
     }
+    if parameter.name == "k" {
+        // the data have from three points on; what is more than that is refused
+        return vec![Value::Count(2), Value::Count(5)];
+    }
     match parameter.kind {
         Kind::Real => numbers(&[0.0, -157.0 / 256.0]),
         Kind::Positive => numbers(&[0.371_73, 1.717_3]),

@@ -124,7 +124,10 @@ fn data_driven_widths_claim_nothing() {
     let claims: Vec<String> = catalogue()
         .iter()
         .filter(|subject| {
-            !subject.plain().laws().linear && claimed(&*subject.plain(), 24).is_some()
+            !subject.plain().laws().linear
+                // whose width is data-driven by definition, and whose distribution is known: judged in tests/nearest_neighbour.rs
+                && !subject.name.starts_with("nearest-neighbour {")
+                && claimed(&*subject.plain(), 24).is_some()
         })
         .map(|subject| subject.name.clone())
         .collect();
