@@ -19,7 +19,7 @@ use std::num::NonZeroUsize;
 ///
 /// Building is O(n log n), a query O(log n + k).
 pub struct Tree {
-    tree: ImmutableKdTree<f64, 2>,
+    index: ImmutableKdTree<f64, 2>,
     places: Vec<Point<2>>,
     /// The points at place i are `numbers[starts[i]..starts[i + 1]]`, numbers in the sample.
     starts: Vec<u32>,
@@ -45,6 +45,9 @@ const SAFE: f64 = 1.0 + 1e-9;
 
 impl Tree {
     /// The finder for `sample`.
+    ///
+    /// # Panics
+    /// For 2³² points or more.
     pub fn new(sample: &Sample<2>) -> Self {
         let kept = Kept::new(sample);
         let place = |i: u32| kept.points[i as usize].map(|x| x + 0.0); // one zero
@@ -64,7 +67,7 @@ impl Tree {
         }
         starts.push(order.len() as u32);
         Self {
-            tree: ImmutableKdTree::new_from_slice(&places)
+            index: ImmutableKdTree::new_from_slice(&places)
                 .expect("places are finite and fewer than 2³²"),
             places,
             starts,
@@ -124,7 +127,7 @@ impl Tree {
             return;
         }
         if !self.metric.wraps() {
-            self.tree
+            self.index
                 .query(&home)
                 .within::<SquaredEuclidean<f64>>(safe)
                 .unsorted()
@@ -145,7 +148,7 @@ impl Tree {
             .fold(0.0, f64::max);
         let reach = (safe.sqrt() + turned).powi(2);
         for image in self.images(home, reach.sqrt()) {
-            self.tree
+            self.index
                 .query(&image)
                 .within::<SquaredEuclidean<f64>>(reach)
                 .unsorted()
@@ -166,7 +169,7 @@ impl Tree {
     fn nearest(&self, home: Point<2>, k: usize) -> Option<Vec<(f64, u32)>> {
         let some = NonZeroUsize::new(k.min(self.places.len())).expect("k is at least 1");
         home.iter().all(|x| x.abs() < 1e150).then(|| {
-            self.tree
+            self.index
                 .query(&home)
                 .nearest_n::<SquaredEuclidean<f64>>(some)
                 .execute()
@@ -208,7 +211,7 @@ impl Tree {
                 let found = &mut memory.found;
                 found.clear();
                 if squared.is_finite() && home.iter().all(|x| x.abs() < 1e150) {
-                    self.tree
+                    self.index
                         .query(&home)
                         .within::<SquaredEuclidean<f64>>(squared)
                         .unsorted()

@@ -153,7 +153,7 @@ impl Cells {
         let [x, y] = self.axes;
         let (u, v) = (x.place(home[0]), y.place(home[1]));
         let (low, high) = (low * (1.0 - SAFE), high * (1.0 + SAFE));
-        if !high.is_finite() || !(u.is_finite() && v.is_finite()) {
+        if !(high.is_finite() && u.is_finite() && v.is_finite()) {
             show((0, self.points.len()), 0);
             return;
         }
