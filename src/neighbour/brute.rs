@@ -27,7 +27,7 @@ impl<const D: usize> Neighbours<D> for Brute<D> {
     }
 
     fn count(&self) -> usize {
-        self.kept.points.len()
+        self.kept.points().len()
     }
 
     fn metric(&self) -> &Metric<D> {
@@ -38,7 +38,7 @@ impl<const D: usize> Neighbours<D> for Brute<D> {
         check(k, self.count());
         let home = self.metric.home(target);
         scratch.bits.clear();
-        let all = self.kept.points.iter();
+        let all = self.kept.points().iter();
         scratch
             .bits
             .extend(all.map(|&x| self.metric.squared(home, x).to_bits()));
@@ -47,7 +47,7 @@ impl<const D: usize> Neighbours<D> for Brute<D> {
 
     fn within(&self, target: Point<D>, squared: f64, show: &mut dyn FnMut(usize, f64)) {
         let home = self.metric.home(target);
-        for (i, &x) in self.kept.points.iter().enumerate() {
+        for (i, &x) in self.kept.points().iter().enumerate() {
             let d = self.metric.squared(home, x);
             if d <= squared {
                 show(self.kept.number(i), d);

@@ -3,11 +3,10 @@
 use crate::sample::{Sample, Weights};
 use crate::space::Point;
 
-/// The points of positive weight with their numbers in the sample.
+/// The points of positive weight with their numbers in the sample. Nothing is copied if that is all of them.
 pub(super) struct Kept<const D: usize> {
-    pub points: Vec<Point<D>>,
-    /// Absent if all are kept.
-    numbers: Option<Vec<u32>>,
+    sample: Sample<D>,
+    some: Option<(Vec<Point<D>>, Vec<u32>)>,
 }
 
 impl<const D: usize> Kept<D> {
@@ -19,28 +18,29 @@ impl<const D: usize> Kept<D> {
             Weights::Equal(_) => true,
             Weights::Each(weights) => weights.iter().all(|&w| w > 0.0),
         };
-        if every {
-            return Self {
-                points: sample.points().to_vec(),
-                numbers: None,
-            };
-        }
-        let numbers: Vec<u32> = (0..sample.len() as u32)
-            .filter(|&i| sample.weight(i as usize) > 0.0)
-            .collect();
+        let some = (!every).then(|| {
+            (0..sample.len() as u32)
+                .filter(|&i| sample.weight(i as usize) > 0.0)
+                .map(|i| (sample.points()[i as usize], i))
+                .unzip()
+        });
         Self {
-            points: numbers
-                .iter()
-                .map(|&i| sample.points()[i as usize])
-                .collect(),
-            numbers: Some(numbers),
+            sample: sample.clone(),
+            some,
         }
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[Point<D>] {
+        self.some
+            .as_ref()
+            .map_or_else(|| self.sample.points(), |(points, _)| points)
     }
 
     /// The number in the sample of the `i`-th point that is kept.
     pub fn number(&self, i: usize) -> usize {
-        self.numbers
+        self.some
             .as_ref()
-            .map_or(i, |numbers| numbers[i] as usize)
+            .map_or(i, |(_, numbers)| numbers[i] as usize)
     }
 }

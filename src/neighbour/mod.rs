@@ -101,21 +101,71 @@ fn squares(points: &[Point<2>]) -> bool {
     (1e-130..1e150).contains(&extent) && x.abs().max(y.abs()) < 1e150
 }
 
-/// What `look` finds at each of `targets`, in their order, in parallel. Each answer depends on its target alone, so the bits do not depend on
-/// the number of threads.
-pub fn at_each<const D: usize, T: Send>(
+/// What `look` finds at each of `targets`, in their order, in parallel. Each answer depends on its target alone, so the bits depend neither
+/// on the number of threads nor on the order in which the targets are taken, which is one that keeps neighbours together.
+pub fn at_each<const D: usize, T: Send + Sync + Copy + Default>(
     targets: &[Point<D>],
     look: impl Fn(Point<D>, &mut Scratch) -> T + Sync,
 ) -> Vec<T> {
     /// Long enough that memory of the last query is worth having, short enough to share the work evenly.
     const BLOCK: usize = 256;
-    let blocks: Vec<Vec<T>> = targets
+    let Some(order) = order(targets) else {
+        let blocks: Vec<Vec<T>> = targets
+            .par_chunks(BLOCK)
+            .map_init(Scratch::default, |scratch, block| {
+                block.iter().map(|&x| look(x, scratch)).collect()
+            })
+            .collect();
+        return blocks.concat();
+    };
+    let found: Vec<Vec<T>> = order
         .par_chunks(BLOCK)
         .map_init(Scratch::default, |scratch, block| {
-            block.iter().map(|&x| look(x, scratch)).collect()
+            let at = |&i: &u32| look(targets[i as usize], scratch);
+            block.iter().map(at).collect()
         })
         .collect();
-    blocks.into_iter().flatten().collect()
+    let mut values = vec![T::default(); targets.len()];
+    for (&i, value) in order.iter().zip(found.into_iter().flatten()) {
+        values[i as usize] = value;
+    }
+    values
+}
+
+/// An order that goes through many targets tile by tile, or `None` where they are few or near each other in their own order, as on a grid: then memory is read
+/// from here and there no more than it must.
+fn order<const D: usize>(targets: &[Point<D>]) -> Option<Vec<u32>> {
+    const MANY: usize = 1024;
+    const TILES: f64 = 128.0;
+    if targets.len() < MANY || u32::try_from(targets.len()).is_err() {
+        return None;
+    }
+    let (mut low, mut high) = (targets[0], targets[0]);
+    for x in targets {
+        for axis in 0..D {
+            low[axis] = low[axis].min(x[axis]);
+            high[axis] = high[axis].max(x[axis]);
+        }
+    }
+    let tile = |x: &Point<D>| {
+        let mut number = 0u32;
+        for axis in 0..D {
+            let share = (x[axis] - low[axis]) / (high[axis] - low[axis]);
+            // casts take care of what is no number
+            number = number * TILES as u32 + (share * TILES) as u32;
+        }
+        number
+    };
+    let mut keys: Vec<(u32, u32)> = targets.iter().zip(0..).map(|(x, i)| (tile(x), i)).collect();
+    let jumps = keys
+        .windows(2)
+        .filter(|pair| pair[0].0.abs_diff(pair[1].0) > 2)
+        .count();
+    if jumps < targets.len() / 8 {
+        return None;
+    }
+    keys.sort_unstable();
+    Some(keys.into_iter().map(|(_, i)| i).collect())
 }
 
 /// The `k`-th smallest of some squared distances given as bits, k from 1.

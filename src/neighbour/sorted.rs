@@ -21,7 +21,7 @@ impl Sorted {
     /// The finder for `sample`.
     pub fn new(sample: &Sample<1>) -> Self {
         let kept = Kept::new(sample);
-        let coordinates = kept.points.as_flattened();
+        let coordinates = kept.points().as_flattened();
         let mut order: Vec<u32> = (0..coordinates.len() as u32).collect();
         // ties in the order of the sample: a total order, so the bits do not depend on threads
         order.par_sort_unstable_by(|&i, &j| {

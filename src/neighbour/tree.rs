@@ -50,8 +50,8 @@ impl Tree {
     /// For 2³² points or more.
     pub fn new(sample: &Sample<2>) -> Self {
         let kept = Kept::new(sample);
-        let place = |i: u32| kept.points[i as usize].map(|x| x + 0.0); // one zero
-        let mut order: Vec<u32> = (0..kept.points.len() as u32).collect();
+        let place = |i: u32| kept.points()[i as usize].map(|x| x + 0.0); // one zero
+        let mut order: Vec<u32> = (0..kept.points().len() as u32).collect();
         order.par_sort_unstable_by(|&i, &j| {
             let ([a, b], [c, d]) = (place(i), place(j));
             a.total_cmp(&c).then(b.total_cmp(&d)).then(i.cmp(&j))

@@ -8,6 +8,7 @@ use super::{Metric, Neighbours, Scratch, check};
 use crate::sample::Sample;
 use crate::space::Point;
 use axis::Axis;
+use rayon::prelude::*;
 
 /// Points in the order of the cells of a uniform grid, about three a cell.
 ///
@@ -16,7 +17,7 @@ use axis::Axis;
 /// the ring about the suggested distance are measured and selected from: O(√k) cells and points. Where the suggestion was wrong the
 /// certain bounds are used.
 ///
-/// Building is O(n): one pass to count, one to place. Not for points that crowd into few cells; [`Cells::new`] declines those.
+/// Building is O(n): one pass to find the cells, one to count, one to place. Not for points that crowd into few cells; [`Cells::new`] declines those.
 pub struct Cells {
     /// In the order of the cells.
     points: Vec<Point<2>>,
@@ -40,42 +41,67 @@ impl Cells {
     /// The finder for `sample`, or `None` where the points are too unevenly spread for it (or too far for squares of distances).
     pub fn new(sample: &Sample<2>) -> Option<Self> {
         let kept = Kept::new(sample);
+        let points = kept.points();
         let metric = Metric::new(sample.domain());
-        let axes = axes(&kept.points, &metric)?;
+        let axes = axes(points, &metric)?;
         let [columns, rows] = axes.map(|axis| axis.cells as usize);
-        let cell = |x: Point<2>| axes[0].cell(x[0]) * rows + axes[1].cell(x[1]);
-
-        let mut starts = vec![0u32; columns * rows + 1];
-        let cells: Vec<u32> = kept
-            .points
-            .iter()
-            .map(|&x| {
-                let cell = cell(x);
-                starts[cell] += 1;
-                cell as u32
-            })
+        let cells: Vec<u32> = points
+            .par_iter()
+            .map(|&x| (axes[0].cell(x[0]) * rows + axes[1].cell(x[1])) as u32)
             .collect();
+        // each thread has a stretch of cells of its own and looks at all points; how many threads, the result does not tell
+        let stretch = (columns * rows).div_ceil(rayon::current_num_threads().min(8));
+        let mut starts = vec![0u32; columns * rows + 1];
+        starts[1..]
+            .par_chunks_mut(stretch)
+            .enumerate()
+            .for_each(|(part, counts)| {
+                let first = (part * stretch) as u32;
+                for &cell in &cells {
+                    if let Some(count) = counts.get_mut(cell.wrapping_sub(first) as usize) {
+                        *count += 1;
+                    }
+                }
+            });
         let squares: f64 = starts.iter().map(|&c| f64::from(c).powi(2)).sum();
-        if squares > CROWDED * kept.points.len() as f64 {
+        if squares > CROWDED * points.len() as f64 {
             return None;
         }
-        let sums = table(&starts, columns, rows);
-        // each start runs from the end of its cell down to its beginning, so the points are taken backwards to keep their order
-        let mut total = 0;
-        for start in &mut starts {
-            total += *start;
-            *start = total;
+        let sums = table(&starts[1..], columns, rows);
+        for cell in 0..columns * rows {
+            starts[cell + 1] += starts[cell];
         }
-        let mut points = vec![[0.0; 2]; kept.points.len()];
-        let mut numbers = vec![0u32; kept.points.len()];
-        for (i, &cell) in cells.iter().enumerate().rev() {
-            let start = &mut starts[cell as usize];
-            *start -= 1;
-            points[*start as usize] = kept.points[i];
-            numbers[*start as usize] = kept.number(i) as u32;
+        let mut placed = vec![[0.0; 2]; points.len()];
+        let mut numbers = vec![0u32; points.len()];
+        let mut parts = Vec::new();
+        let (mut left, mut left_numbers) = (&mut placed[..], &mut numbers[..]);
+        for bounds in starts.chunks(stretch) {
+            let cells = bounds.len().min(stretch);
+            let first = parts.len() * stretch;
+            let last = (first + cells).min(columns * rows);
+            let many = (starts[last] - starts[first]) as usize;
+            let (mine, rest) = left.split_at_mut(many);
+            let (my_numbers, other_numbers) = left_numbers.split_at_mut(many);
+            (left, left_numbers) = (rest, other_numbers);
+            parts.push((&starts[first..last], mine, my_numbers));
         }
+        parts
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(part, (starts, placed, numbers))| {
+                let first = (part * stretch) as u32;
+                let Some(&base) = starts.first() else { return };
+                let mut next: Vec<u32> = starts.iter().map(|start| start - base).collect();
+                for (i, &cell) in cells.iter().enumerate() {
+                    if let Some(next) = next.get_mut(cell.wrapping_sub(first) as usize) {
+                        placed[*next as usize] = points[i];
+                        numbers[*next as usize] = kept.number(i) as u32;
+                        *next += 1;
+                    }
+                }
+            });
         Some(Self {
-            points,
+            points: placed,
             numbers,
             starts,
             sums,
