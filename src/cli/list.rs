@@ -9,7 +9,7 @@ use crate::engine::{Binned, Direct, Engine, Hermite};
 use crate::experiment::catalogue::ESTIMATORS;
 use crate::kernel::{Kernel, Shape};
 use crate::parameter::{Absent, Parameter};
-use crate::selector::{NormalReference, Scott, Selector, Silverman};
+use crate::selector;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::Path;
@@ -205,23 +205,23 @@ fn kernel(shape: Shape) -> Row {
 }
 
 fn selectors() -> Vec<Row> {
-    let named = |selector: &dyn Selector<1>, summary| Row::new(selector.name(), summary);
-    vec![
-        named(
-            &Silverman,
-            "0.9 min(deviation, quartile range / 1.34) n^(-1/5)",
-        ),
-        named(&NormalReference, "1.06 deviation n^(-1/5)"),
-        named(
-            &Scott,
-            "1.06 min(deviation, quartile range / 1.34) n^(-1/5)",
-        ),
+    let named = selector::CATALOGUE.iter().map(|entry| Row {
+        cost: entry.cost,
+        reference: entry.reference,
+        ..Row::new(entry.name, entry.summary)
+    });
+    let known = [
         Row::new("oracle", "the least exact MISE, where the truth is known"),
+        Row::new(
+            "oracle-ise",
+            "the least ISE for each sample, where the truth is known",
+        ),
         Row::new(
             "amise",
             "the least asymptotic MISE, where the truth is known",
         ),
-    ]
+    ];
+    named.chain(known).collect()
 }
 
 fn engines() -> Vec<Row> {

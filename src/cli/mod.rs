@@ -17,6 +17,7 @@ mod phases;
 mod run;
 mod sample;
 mod schema;
+mod select;
 mod sketch;
 mod stop;
 mod summary;
@@ -48,6 +49,7 @@ Examples:
   lab check experiments/bimodal.toml              is it right, and what will it cost?
   lab run experiments/bimodal.toml                tables, figures, a report
   lab oracle --density bimodal --n 200            the best bandwidth, exactly
+  lab select points.csv --column x                every rule for a bandwidth, side by side
   lab sample --density bimodal --n 200 | lab estimate - --estimator 'kernel = { bandwidth = 0.3 }'
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
       --estimator 'kernel = { shape = \"epanechnikov\", bandwidth = \"silverman\" }' -o density.csv
@@ -60,6 +62,7 @@ enum Command {
     Check(check::Check),
     List(list::List),
     Estimate(estimate::Estimate),
+    Select(select::Select),
     Oracle(oracle::Oracle),
     Sample(sample::Sample),
     Schema(schema::Schema),
@@ -73,6 +76,7 @@ impl Command {
             Self::Check(check) => check.run(),
             Self::List(list) => list.run(notes),
             Self::Estimate(estimate) => estimate.run(notes),
+            Self::Select(select) => select.run(notes),
             Self::Oracle(oracle) => oracle.run(notes),
             Self::Sample(sample) => sample.run(),
             Self::Schema(_) => schema::Schema::run(),

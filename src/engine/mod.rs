@@ -11,6 +11,8 @@
 //! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
 //! | gather, splat, mesh, hermite, binned | the plane, see [`plane`] | | | | `plane/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
+//!
+//! Double sums over all pairs of data, which criteria for bandwidths are made of, are in `pairs/`.
 
 mod basis;
 mod binned;
@@ -19,6 +21,7 @@ mod direct;
 mod hermite;
 mod interval;
 mod ladder;
+mod pairs;
 mod pieces;
 mod plan;
 pub mod plane;
@@ -28,6 +31,7 @@ pub use binned::Binned;
 pub use direct::Direct;
 pub use hermite::Hermite;
 pub use interval::Interval;
+pub use pairs::{CompactPairs, GaussianPairs};
 pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
 pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, Splat};
 pub use sorted::Sorted;

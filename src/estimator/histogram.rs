@@ -76,7 +76,15 @@ impl Described for Histogram {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::required(
             "width",
-            Kind::PositiveOr(&["scott", "freedman-diaconis", "oracle", "amise"]),
+            Kind::PositiveOr(&[
+                "scott",
+                "freedman-diaconis",
+                "sturges",
+                "knuth",
+                "stone",
+                "oracle",
+                "amise",
+            ]),
             "the width of a bin, in the unit of the data",
         )
         .length()
@@ -120,6 +128,9 @@ impl Build<1> for Histogram {
         let rules: &[(_, Rule)] = &[
             ("scott", selector::scott),
             ("freedman-diaconis", selector::freedman_diaconis),
+            ("sturges", selector::sturges),
+            ("knuth", selector::knuth),
+            ("stone", selector::stone),
         ];
         let width = Width::given(values, context, rules, family(origin))?;
         Ok(Self { width, origin })

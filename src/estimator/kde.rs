@@ -8,7 +8,7 @@ use crate::engine::{EXACT, Engine, LINE, PLANE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
-use crate::selector::{NormalReference, NormalScale, Scott, Selector, Silverman};
+use crate::selector::{self, LeastIse, NormalScale, Selector};
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
 use crate::theory::{Family, kernel_moments};
 use std::sync::Arc;
@@ -211,7 +211,7 @@ pub(super) const BANDWIDTH_Y: Parameter = Parameter::optional(
 /// The bandwidth of the kernel estimator and its kin.
 pub(super) const BANDWIDTH: Parameter = Parameter::required(
     "bandwidth",
-    Kind::PositiveOr(&["silverman", "normal-reference", "scott", "oracle", "amise"]),
+    Kind::PositiveOr(&selector::WORDS),
     "h, in the unit of the data: half the support of a compact kernel, the deviation of the Gaussian",
 )
 .length()
@@ -275,12 +275,17 @@ impl Kde {
         values: &Values,
         context: &Context<1>,
     ) -> Result<Self, BuildError> {
-        let width = match (values.number("bandwidth"), values.word("bandwidth")) {
+        let word = values.word("bandwidth");
+        let chosen = match (word, &context.truth) {
+            (Some("oracle-ise"), Some(truth)) => Some(Box::new(LeastIse {
+                truth: truth.clone(),
+            }) as Box<dyn Selector<1>>),
+            _ => word.and_then(selector::named),
+        };
+        let width = match (values.number("bandwidth"), chosen) {
             (Some(h), _) => Width::Numbers([h]),
-            (None, Some("silverman")) => Width::Selected(Box::new(Silverman)),
-            (None, Some("normal-reference")) => Width::Selected(Box::new(NormalReference)),
-            (None, Some("scott")) => Width::Selected(Box::new(Scott)),
-            (None, word) => Width::Numbers([best(
+            (None, Some(selector)) => Width::Selected(selector),
+            (None, None) => Width::Numbers([best(
                 context,
                 "bandwidth",
                 word.unwrap_or_default(),

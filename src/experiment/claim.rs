@@ -165,6 +165,22 @@ pub enum Statement {
         /// Confidence of the interval; 0.99 if not given.
         confidence: f64,
     },
+    /// `regret = { of = A, over = B, median = V, margin = ABS, [below = C], [confidence = P] }`: the interval of the median, over the replicates, of the ISE of A over that of B on the same
+    /// sample lies within the margin of V, and that of A over C lies below 1.
+    Regret {
+        /// The estimator.
+        of: String,
+        /// What to divide by, sample by sample: commonly the best that there is for each.
+        over: String,
+        /// The expected median.
+        median: f64,
+        /// The margin, absolute.
+        margin: f64,
+        /// An estimator that is worse on more than half of the samples.
+        below: Option<String>,
+        /// Confidence of the intervals; 0.99 if not given.
+        confidence: f64,
+    },
     /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
     BestIsNear {
         /// The swept estimator.
@@ -241,6 +257,23 @@ impl fmt::Display for Statement {
                 f,
                 "{of} has {count} modes in {share} ± {margin} of the samples"
             ),
+            Self::Regret {
+                of,
+                over,
+                median,
+                margin,
+                below,
+                ..
+            } => {
+                write!(
+                    f,
+                    "the median error of {of} over that of {over} is {median} ± {margin}"
+                )?;
+                match below {
+                    Some(below) => write!(f, ", below that of {below}"),
+                    None => Ok(()),
+                }
+            }
             Self::BestIsNear { of, within } => write!(
                 f,
                 "the best of {of} lies within {} % of the exact optimum",

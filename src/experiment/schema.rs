@@ -103,6 +103,11 @@ fn claim_schema() -> Value {
             table(form::ORACLE),
             "a figure of the theory alone".to_owned(),
         ),
+        (
+            "regret",
+            table(form::REGRET),
+            "the median error relative to another estimator's on the same samples".to_owned(),
+        ),
     ];
     tagged(form::COMMON, measures.chain(others))
 }

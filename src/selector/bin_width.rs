@@ -5,6 +5,7 @@
 //! polygons: theory and application; Scott 1985, Averaged shifted histograms; Scott 1992, Multivariate Density Estimation, chapters 3-5.
 
 use super::rules::{NormalReference, spread};
+use super::spread::Spread;
 use super::{SelectError, Selector};
 use crate::kernel::{Bandwidth, Shape};
 use crate::sample::{Sample, Summary};
@@ -48,6 +49,19 @@ pub fn freedman_diaconis(sample: &Sample<1>) -> Result<BinWidth, SelectError> {
         hint: "look at the data for rounding, or give the width as a number".to_owned(),
     });
     Ok(chosen)
+}
+
+/// The range over ⌈log₂ n⌉ + 1 bins: what a binomial distribution would need. [Sturges 1926] Far too wide for large n; known for its age.
+///
+/// # Errors
+/// If the data have no spread.
+pub fn sturges(sample: &Sample<1>) -> Result<BinWidth, SelectError> {
+    let spread = Spread::of(sample)?;
+    let bins = sample.effective_size().log2().ceil() + 1.0;
+    Ok(BinWidth {
+        width: (spread.most - spread.least) / bins,
+        warnings: Vec::new(),
+    })
 }
 
 /// A frequency polygon's width for normal data: 2 (15 / (49 R(φ″)))^(1/5) s n^(-1/5) ≈ 2.15 s n^(-1/5). [Scott 1992, eq. 4.11]
@@ -98,6 +112,8 @@ mod tests {
                 "{width} {expected}"
             );
         };
+        // log₂ 8 + 1 bins over 13
+        near(sturges(&data), 13.0 / 4.0, 1e-14);
         near(scott(&data), 3.49 * summary.deviation / n.cbrt(), 1e-3);
         near(
             freedman_diaconis(&data),
@@ -125,6 +141,7 @@ mod tests {
         assert!((chosen.width - scott(&tied).expect("spread").width).abs() < 1e-15);
         for rule in [
             scott,
+            sturges,
             freedman_diaconis,
             frequency_polygon,
             shifted_histogram,

@@ -1,12 +1,54 @@
 //! Sample → bandwidth.
+//!
+//! | selector | what it makes least | file |
+//! |---|---|---|
+//! | silverman, normal-reference, scott | AMISE if the density were normal | `rules.rs` |
+//! | sheather-jones, sheather-jones-dpi | AMISE with an estimate of R(f″) | `sheather_jones.rs` |
+//! | improved-sheather-jones | the same, without a normal reference anywhere | `improved.rs` |
+//! | lscv, ucv | an unbiased estimate of MISE | `least_squares.rs` |
+//! | bcv | an estimate of AMISE | `biased.rs` |
+//! | oracle-ise | the error itself, where the truth is known | `least_ise.rs` |
+//! | likelihood-cross-validation, k-fold-likelihood | the surprise at a datum, given the others | `likelihood.rs` |
+//!
+//! Widths of bins: `bin_width.rs` (rules) and `bin_search.rs` (Knuth, Stone).
+//!
+//! # What all have in common
+//! - **Exact.** Criteria are sums over all pairs of data, computed to 1e-10 or better by [`GaussianPairs`](crate::engine::GaussianPairs) and
+//!   [`CompactPairs`](crate::engine::CompactPairs); nothing is read off a fixed number of bins.
+//! - **Kernels.** `lscv` and the likelihoods use the kernel itself. The others choose for the Gaussian, and their h is multiplied by the ratio
+//!   of canonical scales, which makes estimates with different kernels equally smooth. \[Marron & Nolan 1988\]
+//! - **Weights.** Where a formula has n it takes the effective size (Σw)²/Σw²; where it has a mean over pairs, the weighted mean.
+//! - **Units.** Everything is computed in units of a spread of the data, so that a bandwidth follows the scale of the data over all magnitudes.
+//! - **No silent number.** Ties, ends of intervals, several minima and fallbacks are told as warnings.
 
+mod biased;
+mod bin_search;
 mod bin_width;
+mod functionals;
+mod improved;
+mod least_ise;
+mod least_squares;
+mod likelihood;
 mod plane;
 mod rules;
+mod search;
+mod sheather_jones;
+mod spread;
+#[cfg(test)]
+mod tests;
 
-pub use bin_width::{BinWidth, freedman_diaconis, frequency_polygon, scott, shifted_histogram};
+pub use biased::Biased;
+pub use bin_search::{knuth, stone};
+pub use bin_width::{
+    BinWidth, freedman_diaconis, frequency_polygon, scott, shifted_histogram, sturges,
+};
+pub use improved::ImprovedSheatherJones;
+pub use least_ise::LeastIse;
+pub use least_squares::{LeastSquares, Unbiased};
+pub use likelihood::{FoldedLikelihood, Likelihood};
 pub use plane::NormalScale;
 pub use rules::{NormalReference, Scott, Silverman};
+pub use sheather_jones::{DirectPlugIn, SheatherJones};
 
 use crate::kernel::{Bandwidth, Shape};
 use crate::sample::Sample;
@@ -25,6 +67,16 @@ pub enum SelectError {
         /// Where they all are.
         place: f64,
     },
+    /// The data are spread over more than numbers can hold.
+    #[error(
+        "the data reach from {least} to {most}: their spread is beyond what numbers can hold; write them in another unit"
+    )]
+    Beyond {
+        /// The least datum.
+        least: f64,
+        /// The largest.
+        most: f64,
+    },
 }
 
 /// A bandwidth, with what the reader should know about how it came about.
@@ -36,6 +88,18 @@ pub struct Selection<const D: usize> {
     pub warnings: Vec<Warning>,
 }
 
+impl Selection<1> {
+    fn new(h: f64, warnings: Vec<Warning>) -> Self {
+        Self {
+            bandwidth: Bandwidth::Fixed([h]),
+            warnings,
+        }
+    }
+}
+
+/// A criterion as a function of h; the selector takes the h where it is least.
+pub type Criterion = Box<dyn Fn(f64) -> f64 + Send + Sync>;
+
 /// A rule that chooses a bandwidth from the data alone.
 pub trait Selector<const D: usize>: Send + Sync {
     /// The name in files and tables.
@@ -46,4 +110,96 @@ pub trait Selector<const D: usize>: Send + Sync {
     /// # Errors
     /// If the data do not determine a width.
     fn select(&self, sample: &Sample<D>, shape: Shape) -> Result<Selection<D>, SelectError>;
+
+    /// The criterion that is made least, where there is one, as a function of the bandwidth of `shape`.
+    ///
+    /// # Errors
+    /// If the data do not determine a width.
+    fn criterion(
+        &self,
+        sample: &Sample<D>,
+        shape: Shape,
+    ) -> Result<Option<Criterion>, SelectError> {
+        let _ = (sample, shape);
+        Ok(None)
+    }
+}
+
+/// What the catalogue says about a selector, kept in the selector's own file.
+pub trait Described: Selector<1> + Default + 'static {
+    /// Its name in files, tables and legends.
+    const NAME: &'static str;
+    /// One sentence.
+    const SUMMARY: &'static str;
+    /// Cost in n points.
+    const COST: &'static str;
+    /// Author, year, equation.
+    const REFERENCE: &'static str;
+}
+
+/// A selector that can be chosen by name.
+pub struct Entry {
+    /// Its name.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Cost in n points.
+    pub cost: &'static str,
+    /// Author, year, equation.
+    pub reference: &'static str,
+    /// Makes it.
+    pub build: fn() -> Box<dyn Selector<1>>,
+}
+
+const fn entry<S: Described>() -> Entry {
+    Entry {
+        name: S::NAME,
+        summary: S::SUMMARY,
+        cost: S::COST,
+        reference: S::REFERENCE,
+        build: || Box::new(S::default()),
+    }
+}
+
+const COUNT: usize = 11;
+
+/// The selectors of the line. To add one is to add it here.
+const ENTRIES: [Entry; COUNT] = [
+    entry::<Silverman>(),
+    entry::<NormalReference>(),
+    entry::<Scott>(),
+    entry::<SheatherJones>(),
+    entry::<DirectPlugIn>(),
+    entry::<ImprovedSheatherJones>(),
+    entry::<LeastSquares>(),
+    entry::<Unbiased>(),
+    entry::<Biased>(),
+    entry::<Likelihood>(),
+    entry::<FoldedLikelihood>(),
+];
+
+/// The selectors of the line.
+pub static CATALOGUE: [Entry; COUNT] = ENTRIES;
+
+/// Words that stand for a bandwidth: the selectors, and the best for a known truth.
+pub const WORDS: [&str; COUNT + 3] = {
+    let mut words = ["oracle"; COUNT + 3];
+    let mut i = 0;
+    while i < COUNT {
+        words[i] = ENTRIES[i].name;
+        i += 1;
+    }
+    words[COUNT + 1] = "oracle-ise";
+    words[COUNT + 2] = "amise";
+    words
+};
+
+/// What the catalogue says about the selector of that name.
+pub fn entry_of(name: &str) -> Option<&'static Entry> {
+    CATALOGUE.iter().find(|entry| entry.name == name)
+}
+
+/// The selector of that name.
+pub fn named(name: &str) -> Option<Box<dyn Selector<1>>> {
+    entry_of(name).map(|entry| (entry.build)())
 }

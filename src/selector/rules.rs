@@ -6,9 +6,10 @@
 //! # References
 //! Silverman 1986, section 3.4.2, eqs 3.28 and 3.31; Scott 1992, Multivariate Density Estimation, eq. 6.17 (with R's bw.nrd).
 
-use super::{SelectError, Selection, Selector};
-use crate::kernel::{Bandwidth, Kernel, Shape};
-use crate::sample::{Sample, Summary};
+use super::spread::Spread;
+use super::{Described, SelectError, Selection, Selector};
+use crate::kernel::{Kernel, Shape};
+use crate::sample::Sample;
 use crate::space::Warning;
 
 /// h = 0.9 min(s, IQR/1.34) n^(-1/5). [Silverman 1986, eq. 3.31]; R's `bw.nrd0`.
@@ -25,7 +26,7 @@ pub struct Scott;
 
 impl Selector<1> for Silverman {
     fn name(&self) -> &'static str {
-        "silverman"
+        Self::NAME
     }
 
     fn select(&self, sample: &Sample<1>, shape: Shape) -> Result<Selection<1>, SelectError> {
@@ -35,7 +36,7 @@ impl Selector<1> for Silverman {
 
 impl Selector<1> for NormalReference {
     fn name(&self) -> &'static str {
-        "normal-reference"
+        Self::NAME
     }
 
     fn select(&self, sample: &Sample<1>, shape: Shape) -> Result<Selection<1>, SelectError> {
@@ -45,12 +46,33 @@ impl Selector<1> for NormalReference {
 
 impl Selector<1> for Scott {
     fn name(&self) -> &'static str {
-        "scott"
+        Self::NAME
     }
 
     fn select(&self, sample: &Sample<1>, shape: Shape) -> Result<Selection<1>, SelectError> {
         rule(sample, shape, 1.06, true)
     }
+}
+
+impl Described for Silverman {
+    const NAME: &'static str = "silverman";
+    const SUMMARY: &'static str = "0.9 min(deviation, quartile range / 1.34) n^(-1/5)";
+    const COST: &'static str = "O(n)";
+    const REFERENCE: &'static str = "Silverman 1986, eq. 3.31; R's bw.nrd0";
+}
+
+impl Described for NormalReference {
+    const NAME: &'static str = "normal-reference";
+    const SUMMARY: &'static str = "1.06 deviation n^(-1/5)";
+    const COST: &'static str = "O(n)";
+    const REFERENCE: &'static str = "Silverman 1986, eq. 3.28";
+}
+
+impl Described for Scott {
+    const NAME: &'static str = "scott";
+    const SUMMARY: &'static str = "1.06 min(deviation, quartile range / 1.34) n^(-1/5)";
+    const COST: &'static str = "O(n)";
+    const REFERENCE: &'static str = "Scott 1992, section 6.5.1.2; R's bw.nrd";
 }
 
 fn rule(
@@ -62,10 +84,7 @@ fn rule(
     let (spread, warnings) = spread(sample, robust)?;
     let scale = shape.canonical_scale() / Shape::Gaussian.canonical_scale();
     let h = factor * spread * sample.effective_size().powf(-0.2) * scale;
-    Ok(Selection {
-        bandwidth: Bandwidth::Fixed([h]),
-        warnings,
-    })
+    Ok(Selection::new(h, warnings))
 }
 
 /// The standard deviation, or if `robust` the lesser of it and IQR/1.34.
@@ -73,14 +92,7 @@ fn rule(
 /// Where the quartiles coincide the standard deviation stands alone, as in R's bw.nrd0 (not bw.nrd, which gives 0), with a warning. Where that is zero too R
 /// goes on to |x₁| and then to 1; we refuse, because no such number is a property of the data.
 pub(super) fn spread(sample: &Sample<1>, robust: bool) -> Result<(f64, Vec<Warning>), SelectError> {
-    let summary = Summary::of(sample);
-    // a spread below the resolution of the numbers themselves is no spread
-    if summary.deviation <= 4.0 * f64::EPSILON * summary.least.abs().max(summary.most.abs()) {
-        return Err(SelectError::NoSpread {
-            points: sample.len(),
-            place: summary.mean,
-        });
-    }
+    let summary = Spread::of(sample)?;
     let quartile_spread = summary.interquartile_range / 1.34;
     if robust && quartile_spread > 0.0 {
         return Ok((summary.deviation.min(quartile_spread), Vec::new()));
@@ -99,6 +111,8 @@ pub(super) fn spread(sample: &Sample<1>, robust: bool) -> Result<(f64, Vec<Warni
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::Bandwidth;
+    use crate::sample::Summary;
     use crate::space::Domain;
 
     /// The number in a cell of a CSV file under `data/`.

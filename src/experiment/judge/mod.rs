@@ -3,6 +3,7 @@
 mod comparison;
 mod modes;
 mod optimum;
+mod regret;
 
 pub use optimum::swept;
 
@@ -15,6 +16,7 @@ use crate::random;
 use comparison::{agrees, below_by, equal};
 use modes::{median_modes, share_of_modes};
 use optimum::{best_is_near, oracle};
+use regret::regret;
 
 /// How a claim came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -186,6 +188,17 @@ fn judge_one<const D: usize>(
         } => group
             .outcome(of)
             .map(|outcome| share_of_modes(outcome, *count, *share, *margin, *confidence)),
+        Statement::Regret {
+            of,
+            over,
+            median,
+            margin,
+            below,
+            confidence,
+        } => {
+            let expected = (*median, *margin);
+            regret(group, (of, over), expected, below.as_deref(), *confidence)
+        }
         Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
         Statement::Oracle {
             quantity,
@@ -206,6 +219,7 @@ fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> O
             over.as_deref().is_some_and(|over| over != "minimum"),
         ),
         Statement::AgreesWithExact { measure, .. } => (*measure, false),
+        Statement::Regret { .. } => (Measure::Mise, true),
         Statement::MedianModes { .. } | Statement::ShareOfModes { .. } => (Measure::Modes, false),
         Statement::BestIsNear { .. } | Statement::Oracle { .. } => return None,
     };

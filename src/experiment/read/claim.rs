@@ -1,7 +1,7 @@
 //! `[[claim]]`.
 
 use super::evidence;
-use super::form::{ANY, BEST, COMMON, Form, MODES, ORACLE};
+use super::form::{ANY, BEST, COMMON, Form, MODES, ORACLE, REGRET};
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
 use super::setting::Setting;
@@ -27,6 +27,7 @@ pub(super) fn claim(
     let statement = match entry.key() {
         "best" => best(reader, entry, setting),
         "oracle" => oracle(reader, entry, setting),
+        "regret" => regret(reader, entry, setting),
         name => {
             let measure = Measure::ALL
                 .into_iter()
@@ -58,7 +59,7 @@ pub(crate) fn statements() -> Vec<&'static str> {
     Measure::ALL
         .into_iter()
         .map(Measure::name)
-        .chain(["best", "oracle"])
+        .chain(["best", "oracle", "regret"])
         .collect()
 }
 
@@ -121,6 +122,26 @@ fn best(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<
     (known && demanded).then_some(Statement::BestIsNear {
         of: of.to_owned(),
         within: read.values.number("within")?,
+    })
+}
+
+fn regret(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<Statement> {
+    let demanded = setting.demand(reader, &entry.key_span(), "the claim `regret`", true, false);
+    let read = settings(reader, entry, REGRET)?;
+    let mut known = true;
+    for key in ["of", "over", "below"] {
+        if let Some(name) = read.values.word(key) {
+            known &= setting.names.one(reader, name, &read.place(key));
+        }
+    }
+    let word = |key: &str| read.values.word(key).map(str::to_owned);
+    (known && demanded).then_some(Statement::Regret {
+        of: word("of")?,
+        over: word("over")?,
+        median: read.values.number("median")?,
+        margin: read.values.number("margin")?,
+        below: word("below"),
+        confidence: read.values.number("confidence")?,
     })
 }
 

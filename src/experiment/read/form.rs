@@ -131,6 +131,29 @@ pub(crate) const BEST: &[Parameter] = &[
     Parameter::required("within", WITHIN, "how near, as a share of the optimum"),
 ];
 
+/// `regret`.
+pub(crate) const REGRET: &[Parameter] = &[
+    Parameter::required("of", Kind::Text, "the estimator"),
+    Parameter::required(
+        "over",
+        Kind::Text,
+        "the estimator whose ISE on the same sample is divided by, such as one with bandwidth = \"oracle-ise\"",
+    ),
+    Parameter::required(
+        "median",
+        Kind::Positive,
+        "the expected median over the replicates",
+    ),
+    Parameter::required("margin", Kind::Positive, "how far off is still equal"),
+    Parameter::optional(
+        "below",
+        Kind::Text,
+        Absent::Unset,
+        "an estimator that is worse on more than half of the samples",
+    ),
+    CONFIDENCE,
+];
+
 /// `oracle`.
 pub(crate) const ORACLE: &[Parameter] = &[
     Parameter::required(
