@@ -686,15 +686,11 @@ fn selectors_stand_side_by_side_and_none_is_silent() {
         .run(&["select", &old_faithful(), "--column", "eruption_min"])
         .succeeds()
         .says_nothing();
-    let rows: Vec<&str> = all.stdout.lines().collect();
-    assert_eq!(
-        rows[0],
-        "selector,bandwidth,deviation,canonical,milliseconds,note"
-    );
+    assert!(all.stdout.lines().count() > 10, "{all}");
     // R's bw.nrd0, and bw.SJ summed over all pairs
-    all.prints("silverman,0.36772432238199")
+    all.prints("selector,bandwidth,deviation,canonical,milliseconds,note\n")
+        .prints("silverman,0.36772432238199")
         .prints("sheather-jones,0.18107139");
-    assert!(rows.len() > 10, "{all}");
     let json = Bench::new()
         .run(&[
             "select",

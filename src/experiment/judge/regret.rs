@@ -6,8 +6,8 @@ use crate::experiment::Measure;
 use crate::experiment::results::{Group, Outcome};
 
 /// Whether the interval of the median of ISE(of) / ISE(over) lies within the margin of the expected one, and that of ISE(of) / ISE(below) below 1.
-pub(super) fn regret(
-    group: &Group,
+pub(super) fn regret<const D: usize>(
+    group: &Group<D>,
     (of, over): (&str, &str),
     (expected, margin): (f64, f64),
     below: Option<&str>,
@@ -53,7 +53,7 @@ pub(super) fn regret(
 }
 
 /// The ratios of the errors, ascending.
-fn ratios(group: &Group, of: &Outcome, over: &Outcome) -> Option<Vec<f64>> {
+fn ratios<const D: usize>(group: &Group<D>, of: &Outcome, over: &Outcome) -> Option<Vec<f64>> {
     let mass = group.truth_integral();
     let errors = |outcome: &Outcome| outcome.per_replicate(Measure::Mise, mass);
     let mut ratios: Vec<f64> = errors(of)?
