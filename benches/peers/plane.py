@@ -154,8 +154,12 @@ def worker(name, file, h, answer):
     print(json.dumps({"status": "ok", "version": version, "cpu": cpu, "wall": wall}))
 
 
-def run(call):
-    done = subprocess.run([str(part) for part in call], capture_output=True, text=True, env=os.environ | ONE_THREAD)
+def run(call, limit=None):
+    try:
+        done = subprocess.run(
+            [str(part) for part in call], capture_output=True, text=True, env=os.environ | ONE_THREAD, timeout=limit)
+    except subprocess.TimeoutExpired:
+        return None, f"stopped after {limit:.0f} s"
     return done.stdout if done.returncode == 0 else None, done.stderr
 
 
@@ -164,6 +168,8 @@ def main():
     parser.add_argument("--n", type=int, default=1_000_000)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--bandwidth", type=float, default=0.1)
+    parser.add_argument("--limit", type=float, default=60.0, help="seconds after which a peer is stopped")
+    parser.add_argument("--only", default="", help="only programs whose names hold this")
     parser.add_argument("--python", default=None, help="an interpreter with the peers; by default the pinned ones are installed")
     parser.add_argument("--lab", type=Path, default=None, help="the program peers-plane; by default it is built")
     parser.add_argument("--worker", nargs=4, help=argparse.SUPPRESS)
@@ -192,6 +198,8 @@ def main():
         for number in range(options.rounds):
             for name in list(LAB) + list(PEERS):
                 # long runs vary little and would hold up the rest
+                if options.only not in name:
+                    continue
                 if name in notes or (number and rows[name]["cpu"][0] > 5):
                     continue
                 if name in LAB:
@@ -205,7 +213,7 @@ def main():
                 else:
                     kernel = PEERS[name][1]
                     symmetry = "product" if kernel == "gaussian" else "radial"
-                    text, error = run([python, __file__, "--worker", name, file, options.bandwidth, answer])
+                    text, error = run([python, __file__, "--worker", name, file, options.bandwidth, answer], options.limit)
                     record = json.loads(text.strip().splitlines()[-1]) if text else {"status": error.strip()[-200:]}
                     if record["status"] != "ok":
                         notes[name] = record["status"]
