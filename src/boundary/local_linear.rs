@@ -22,7 +22,7 @@ pub struct LocalLinear {
     pub positive: bool,
 }
 
-/// Below this M is singular: relative to the mass cubed, which M's determinant goes with as all of the kernel shrinks.
+/// Below this determinant of the variance of the kernel that is left, in units of h, no line can be fitted.
 const SINGULAR: f64 = 1e-12;
 
 /// (α, β) with κ = (α + βᵀt) K: the first row of M⁻¹.
@@ -54,20 +54,21 @@ impl<const D: usize> Line<D> {
         let variance: [[f64; D]; D] = std::array::from_fn(|i| {
             std::array::from_fn(|j| second[i][j] / mass - mean[i] * mean[j])
         });
-        let solved: Option<[f64; D]> = match D {
-            1 => (variance[0][0] > SINGULAR)
-                .then(|| std::array::from_fn(|_| mean[0] / variance[0][0])),
-            _ => {
-                let [a, b, d] = [variance[0][0], variance[0][1], variance[1][1]];
-                let determinant = a * d - b * b;
-                let solution = [
-                    (d * mean[0] - b * mean[1]) / determinant,
-                    (a * mean[1] - b * mean[0]) / determinant,
-                ];
-                (determinant > SINGULAR).then(|| std::array::from_fn(|i| solution[i]))
-            }
+        // V⁻¹m, of one equation or of two
+        let [a, b] = [variance[0][0], variance[0][D - 1]];
+        let (determinant, solution) = if D == 1 {
+            (a, [mean[0] / a; 2])
+        } else {
+            let d = variance[1][1];
+            let determinant = a * d - b * b;
+            let x = (d * mean[0] - b * mean[1]) / determinant;
+            let y = (a * mean[1] - b * mean[0]) / determinant;
+            (determinant, [x, y])
         };
-        let Some(solved) = solved else { return cut };
+        if determinant.is_nan() || determinant <= SINGULAR {
+            return cut;
+        }
+        let solved: [f64; D] = std::array::from_fn(|i| solution[i]);
         let quadratic: f64 = (0..D).map(|i| mean[i] * solved[i]).sum();
         Self {
             constant: (1.0 + quadratic) / mass,

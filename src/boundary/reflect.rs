@@ -119,7 +119,7 @@ fn images<const D: usize>(
     if let (Some(outline), &[x, y]) = (domain.outline(), &point[..]) {
         let farthest = reach.iter().copied().fold(0.0, f64::max);
         in_outline(outline, [x, y], farthest, |image| {
-            give(std::array::from_fn(|axis| image[axis]))
+            give(std::array::from_fn(|axis| image[axis]));
         });
         return;
     }

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use super::*;
+use crate::density::Univariate;
 use crate::kernel::{Bandwidth, Shape, Symmetry};
 use crate::numeric::GaussLegendre;
 use crate::sample::{Sample, Weights};
@@ -351,12 +352,11 @@ fn reflection_and_local_linear_cross_over_where_predicted() {
     for _ in 0..40 {
         let h = 0.5 * (low + high);
         if error(&LocalLinear::default(), h) > error(&Reflect, h) {
-            low = h
+            low = h;
         } else {
-            high = h
+            high = h;
         }
     }
-    use crate::density::Univariate;
     let (f, slope) = (truth.at([0.0]), truth.derivative(1, 0.0));
     let predicted = (3.30 * f / (f64::from(draws as u32) * (0.375 * slope).powi(2))).cbrt();
     assert!((low / predicted - 1.0).abs() < 0.15, "{low} {predicted}");

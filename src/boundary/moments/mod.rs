@@ -160,8 +160,8 @@ mod tests {
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             let pieces = 40;
             for p in 0..pieces * pieces {
-                let [lu, lv] = [p / pieces, p % pieces].map(|k| k as f64 / pieces as f64);
-                let step = 1.0 / pieces as f64;
+                let [lu, lv] = [p / pieces, p % pieces].map(|k| f64::from(k) / f64::from(pieces));
+                let step = 1.0 / f64::from(pieces);
                 for (u, wu) in rule.on(lu, lu + step) {
                     for (v, wv) in rule.on(lv, lv + step) {
                         // the square onto the triangle

@@ -266,7 +266,7 @@ impl<const N: usize> Group<N> {
 }
 
 /// Brings the data of `run` together by bins at `place`, in their order within a bin. Where each bin begins, and one more.
-fn group(run: Run<'_>, bins: &Bins, place: Place<'_>) -> Vec<u32> {
+fn group(run: Run<'_>, bins: &Bins, (points, weights): Place<'_>) -> Vec<u32> {
     let mut starts = vec![0_u32; bins.len() + 1];
     let numbers: Vec<u32> = run.0.iter().map(|&x| bins.of(x)).collect();
     for &bin in &numbers {
@@ -279,13 +279,13 @@ fn group(run: Run<'_>, bins: &Bins, place: Place<'_>) -> Vec<u32> {
     if run.1.is_empty() {
         for (&bin, &x) in numbers.iter().zip(run.0) {
             let next = &mut starts[bin as usize];
-            place.0[*next as usize] = x;
+            points[*next as usize] = x;
             *next += 1;
         }
     } else {
         for (&bin, (&x, &w)) in numbers.iter().zip(run.0.iter().zip(run.1)) {
             let next = &mut starts[bin as usize];
-            (place.0[*next as usize], place.1[*next as usize]) = (x, w);
+            (points[*next as usize], weights[*next as usize]) = (x, w);
             *next += 1;
         }
     }
