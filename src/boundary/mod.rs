@@ -25,6 +25,7 @@ mod nearby;
 mod normalise;
 mod reflect;
 mod within;
+mod wrap;
 
 pub use bump::Bump;
 pub use expectation::corrected_moments;
@@ -33,6 +34,7 @@ pub use local_linear::LocalLinear;
 pub use moments::DomainMoments;
 pub use normalise::{NormalisePoints, NormaliseTargets};
 pub use reflect::Reflect;
+pub use wrap::apply;
 
 use crate::kernel::KernelSum;
 use crate::space::{Domain, Field, Point};

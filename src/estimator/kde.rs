@@ -96,7 +96,7 @@ impl<const D: usize> Kde<D> {
                     planned.expect("only known engines are built in"),
                 ))
             };
-            Ok(self.boundary.correct(sum, &compute)?.into())
+            Ok(boundary::apply(&*self.boundary, sum, &compute)?.into())
         };
         let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
             (0..sample.channels())
