@@ -9,7 +9,7 @@ use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
 use crate::selector::{self, LeastIse, NormalScale, Selector};
-use crate::space::{Domain, Evaluation, Field, Point, Targets};
+use crate::space::{Domain, Evaluation, Field, Point, Side, Targets};
 use crate::theory::{Family, kernel_moments};
 use std::sync::Arc;
 
@@ -132,6 +132,9 @@ impl Estimator<1> for Kde {
         let Width::Numbers([h]) = self.width else {
             return None;
         };
+        if truth.domain().sides()[0].contains(&Side::Periodic) {
+            return None;
+        }
         if !self.corrected || !truth.domain().has_walls() {
             let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
             return Some(places.iter().map(at).collect());
