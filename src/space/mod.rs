@@ -13,14 +13,16 @@ mod grid;
 mod modes;
 mod polygon;
 mod raster;
+mod ring;
 mod summits;
 
 pub use domain::{Domain, DomainError, Side};
 pub use field::{Evaluation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
 pub use modes::{Mode, RIPPLE, modes};
-pub use polygon::{Polygon, PolygonError, clip, distance_to_segment, moments as polygon_moments};
+pub use polygon::{Polygon, PolygonError};
 pub use raster::Raster;
+pub use ring::{clip, distance_to_segment, moments as polygon_moments};
 pub use summits::mode_count;
 
 /// A place in `D` dimensions.

@@ -19,6 +19,7 @@
 //! Nothing in a file is executed, and the only other files opened are the data files that it names.
 
 pub(crate) mod claim;
+mod data;
 mod document;
 pub(crate) mod estimator;
 mod evidence;

@@ -1,11 +1,11 @@
 //! Building what a file describes before anything is run, so that nothing can fail later.
 
+use super::data::{Data, Holds};
 use super::estimator::Group;
 use super::node::Reader;
 use super::problem::{Problem, printable};
 use super::setting::Known;
 use super::source;
-use super::source::{Data, Holds};
 use crate::density::Density;
 use crate::estimator::Context;
 use crate::experiment::EstimatorSpec;
@@ -45,56 +45,54 @@ fn try_source<const D: usize>(
 {
     let data: Option<&Sample<D>> = source.sample.as_ref().and_then(Data::sample);
     let truth: Option<Arc<dyn Density<D>>> = source.truth.clone().and_then(Entry::truth);
-    {
-        let own;
-        let sizes = match data {
-            Some(sample) => {
-                own = [sample.len()];
-                &own[..]
-            }
-            None => draws,
+    let own;
+    let sizes = match data {
+        Some(sample) => {
+            own = [sample.len()];
+            &own[..]
+        }
+        None => draws,
+    };
+    for &draws in sizes {
+        let context = Context {
+            truth: truth.clone(),
+            draws,
         };
-        for &draws in sizes {
-            let context = Context {
-                truth: truth.clone(),
-                draws,
-            };
-            let trial = trial(data, truth.as_deref(), draws);
-            for group in groups {
-                for (at, member) in group.members.iter().enumerate() {
-                    let place = |parameter: &str| match &member.sweep {
-                        Some(sweep) if sweep.parameter == parameter => group.places[at].clone(),
-                        _ => group.located.place(parameter),
-                    };
-                    let built = match try_to_build(member, &context) {
-                        Ok(built) => built,
-                        Err(error) => {
-                            reader.report(Problem::at(place(error.parameter), error.what));
-                            continue;
-                        }
-                    };
-                    if let Some(truth) = &truth {
-                        let exact = built.expectation(&**truth, draws, &[]).is_some();
-                        theory
-                            .entry(member.name.clone())
-                            .or_insert_with(|| known(member, exact, built.family().is_some()));
+        let trial = trial(data, truth.as_deref(), draws);
+        for group in groups {
+            for (at, member) in group.members.iter().enumerate() {
+                let place = |parameter: &str| match &member.sweep {
+                    Some(sweep) if sweep.parameter == parameter => group.places[at].clone(),
+                    _ => group.located.place(parameter),
+                };
+                let built = match try_to_build(member, &context) {
+                    Ok(built) => built,
+                    Err(error) => {
+                        reader.report(Problem::at(place(error.parameter), error.what));
+                        continue;
                     }
-                    if let Some(sample) = &trial
-                        && let Err(error) = built.fit(sample)
-                    {
-                        let smoothing = catalogue::estimator(&member.kind)
-                            .and_then(|entry| entry.smoothing)
-                            .unwrap_or_default();
-                        reader.report(Problem::at(
-                            place(smoothing),
-                            format!(
-                                "\"{}\" cannot be fitted to {} points of \"{}\": {error}",
-                                printable(&member.name),
-                                sample.len(),
-                                printable(source.spec.name())
-                            ),
-                        ));
-                    }
+                };
+                if let Some(truth) = &truth {
+                    let exact = built.expectation(&**truth, draws, &[]).is_some();
+                    theory
+                        .entry(member.name.clone())
+                        .or_insert_with(|| known(member, exact, built.family().is_some()));
+                }
+                if let Some(sample) = &trial
+                    && let Err(error) = built.fit(sample)
+                {
+                    let smoothing = catalogue::estimator(&member.kind)
+                        .and_then(|entry| entry.smoothing)
+                        .unwrap_or_default();
+                    reader.report(Problem::at(
+                        place(smoothing),
+                        format!(
+                            "\"{}\" cannot be fitted to {} points of \"{}\": {error}",
+                            printable(&member.name),
+                            sample.len(),
+                            printable(source.spec.name())
+                        ),
+                    ));
                 }
             }
         }

@@ -1,16 +1,16 @@
 //! Maps of values over the plane: colours, level lines, walls; several side by side on one scale of colours.
 
-use super::canvas::{Canvas, Hang, MARGIN, Type, units};
+use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::colour::Colours;
 use super::contour::contours;
 use super::curves::{WIDTH, nothing};
 use super::panel::{Panel, overhang, room_left, title, widest};
 use super::path::Place;
+use super::pixels::encoded;
 use super::scale::{Scale, Ticks};
 use super::style::{self, Stroke};
 use super::{Axis, Svg};
 use crate::report::text::{fit, width};
-use base64::Engine as _;
 use plotters::style::RGBColor;
 
 /// One map.
@@ -93,7 +93,7 @@ impl HeatMaps {
     pub fn draw(&self) -> Svg {
         let scale = self.scale();
         let bar_ticks = scale.ticks(200.0, false);
-        let bar_room = BAR + 12.0 + widest(&bar_ticks) + 24.0;
+        let bar_room = BAR + 12.0 + widest(&bar_ticks) + 32.0;
         let mut layout = self.layout(bar_room);
         let heading = Canvas::new(WIDTH, 1.0).title(&self.title, WIDTH - 2.0 * MARGIN);
         let titled = self.maps.iter().any(|map| !map.title.is_empty());
@@ -399,31 +399,6 @@ impl HeatMaps {
             }
         }
         Some(encoded(size[0], size[1], &pixels))
-    }
-}
-
-/// Four bytes a pixel as a PNG file.
-fn encoded(width: usize, height: usize, pixels: &[u8]) -> Vec<u8> {
-    const WRITTEN: &str = "writing a picture of the right size into memory cannot fail";
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header().expect(WRITTEN);
-    writer.write_image_data(pixels).expect(WRITTEN);
-    writer.finish().expect(WRITTEN);
-    file
-}
-
-impl Canvas {
-    /// A PNG picture stretched over a rectangle, its pixels kept sharp.
-    pub(super) fn image(&self, corner: Place, size: (f64, f64), png: &[u8]) {
-        let data = base64::engine::general_purpose::STANDARD.encode(png);
-        self.picture(
-            (units(corner.0), units(corner.1)),
-            (units(size.0), units(size.1)),
-            &data,
-        );
     }
 }
 

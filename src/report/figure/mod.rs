@@ -29,6 +29,7 @@ mod modes;
 mod multiples;
 mod panel;
 mod path;
+mod pixels;
 mod rows;
 mod scale;
 mod style;

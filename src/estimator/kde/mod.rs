@@ -1,14 +1,16 @@
 //! The kernel estimator: a selector, a kernel, a boundary and an engine plugged together.
 
+mod plane;
+
 use super::width::best;
 use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::boundary::{self, Boundary, Bump, Ignore, corrected_moments};
 use crate::density::Density;
-use crate::engine::{EXACT, Engine, LINE, PLANE, Planned};
+use crate::engine::{EXACT, Engine, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
-use crate::selector::{self, LeastIse, NormalScale, Selector};
+use crate::selector::{self, LeastIse, Selector};
 use crate::space::{Domain, Evaluation, Field, Point, Side, Targets};
 use crate::theory::{Family, kernel_moments};
 use std::sync::Arc;
@@ -150,16 +152,6 @@ impl Estimator<1> for Kde {
 
     fn family(&self) -> Option<Family> {
         (!self.corrected).then_some(Family::Kernel(self.shape))
-    }
-}
-
-impl Estimator<2> for Kde<2> {
-    fn laws(&self) -> Laws {
-        self.promises()
-    }
-
-    fn fit(&self, sample: &Sample<2>) -> Result<Estimate<2>, FitError> {
-        self.estimate(sample, PLANE)
     }
 }
 
@@ -310,65 +302,11 @@ impl Kde {
     }
 }
 
-impl Build<2> for Kde<2> {
-    fn build(values: &Values, _context: &Context<2>) -> Result<Self, BuildError> {
-        let shape = values
-            .word("shape")
-            .and_then(Shape::named)
-            .unwrap_or(Shape::Gaussian);
-        Self::new(shape, values)
-    }
-}
-
-impl Kde<2> {
-    /// The estimator with the kernel `shape` and everything else from `values`.
-    pub(super) fn new(shape: Shape, values: &Values) -> Result<Self, BuildError> {
-        let symmetry = values
-            .word("symmetry")
-            .and_then(Symmetry::named)
-            .unwrap_or_default();
-        let second = values.number("bandwidth-y");
-        let width = match (values.number("bandwidth"), values.word("bandwidth")) {
-            (Some(h), _) => Width::Numbers([h, second.unwrap_or(h)]),
-            (None, word) => {
-                let word = word.unwrap_or_default();
-                if second.is_some() {
-                    return Err(BuildError {
-                        parameter: "bandwidth-y",
-                        what: format!(
-                            "\"{word}\" chooses the widths of both axes: give two numbers or only the rule"
-                        ),
-                    });
-                }
-                let rule = NormalScale::named(word, symmetry).ok_or_else(|| BuildError {
-                    parameter: "bandwidth",
-                    what: format!(
-                        "\"{word}\" is a rule of the line; in the plane give a number or one of {}",
-                        listed(&NormalScale::NAMES)
-                    ),
-                })?;
-                Width::Selected(Box::new(rule))
-            }
-        };
-        Ok(Self {
-            shape,
-            symmetry,
-            width,
-            corrected: values.word("boundary").is_some_and(|word| word != "ignore"),
-            boundary: values
-                .word("boundary")
-                .and_then(boundary::named)
-                .unwrap_or(Box::new(Ignore)),
-            engine: engine(values, PLANE)?,
-            tolerance: values.number("tolerance").unwrap_or(EXACT),
-        })
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::engine::PLANE;
     use crate::parameter::Value;
     use crate::space::Grid;
 
