@@ -1,7 +1,7 @@
 //! `source`: known densities or a data file.
 
 use super::data::{Data, data};
-use super::node::{Entry, Item, Reader, Table, found};
+use super::node::{Entry, Item, Reader, found};
 use super::problem::{Problem, Span, printable};
 use super::value;
 use crate::density::{self, Truth};
