@@ -165,6 +165,9 @@ impl Estimate {
                 None => Places::Grid(around(&sample, estimate.smoothing)?),
             };
             let evaluation = estimate.evaluate(places.targets());
+            if let Some(why) = &evaluation.failure {
+                return Err(Stop::Input(format!("--estimator: {why}")));
+            }
             if let Some(bad) = evaluation.values.iter().find(|value| !value.is_finite()) {
                 return Err(Stop::Input(format!(
                     "--estimator: the estimate is {bad} somewhere: its scale is beyond what numbers can hold"

@@ -5,6 +5,7 @@
 
 mod argument;
 mod check;
+mod commands;
 mod completions;
 mod estimate;
 mod estimator;

@@ -1,5 +1,6 @@
 //! `lab run`
 
+use super::commands;
 use super::interrupt;
 use super::notes::Notes;
 use super::output::Output;
@@ -66,6 +67,10 @@ pub struct Run {
     #[arg(long)]
     force: bool,
 
+    /// Start the programs that the experiment names (`command = { .. }`): they can do whatever you can
+    #[arg(long)]
+    allow_commands: bool,
+
     /// The summary as JSON
     #[arg(long)]
     json: bool,
@@ -113,6 +118,9 @@ impl Run {
     fn resolve(&self) -> Result<Experiment, Stop> {
         let mut experiment =
             read::experiment(&self.experiment).map_err(|problems| Stop::problems(&problems))?;
+        if !self.allow_commands {
+            commands::refuse(&experiment.estimators)?;
+        }
         if let Some(seed) = self.seed {
             experiment.seed = seed;
         }
@@ -161,7 +169,8 @@ impl Run {
         let bar = Bar::new(notes);
         let finished = run::run(&bench, &folder, interrupt::graceful(), &bar);
         bar.0.finish_and_clear();
-        let results = Results::gather(&bench, finished.map_err(stop)?);
+        let (bench, finished) = finished.map_err(stop)?.on_what_is_left(bench);
+        let results = Results::gather(&bench, finished);
         let verdicts = judge(&bench, &results);
         let circumstances = Circumstances {
             command: self.command(bench.experiment()),
@@ -181,10 +190,7 @@ impl Run {
             notes.say(&format!("  (on {count} samples)"));
         }
         let place = folder.finish().map_err(stop)?;
-        let lines: Vec<Line> = verdicts
-            .iter()
-            .map(|verdict| verdict.line(bench.experiment()))
-            .collect();
+        let lines = Line::all(bench.experiment(), &results, &verdicts);
         debug_assert!(
             verdicts
                 .iter()
@@ -229,6 +235,9 @@ impl Run {
         if self.quick {
             command += " --quick";
         }
+        if self.allow_commands {
+            command += " --allow-commands";
+        }
         command
     }
 }
@@ -246,6 +255,7 @@ fn quoted(word: &str) -> String {
 fn stop(error: RunError) -> Stop {
     match error {
         RunError::Input(what) | RunError::Folder(what) => Stop::Input(what),
+        failed @ RunError::Estimator(_) => Stop::Input(failed.to_string()),
         RunError::Storage(error) => Stop::System(error.to_string()),
         interrupted @ RunError::Interrupted { .. } => Stop::Interrupted(interrupted.to_string()),
     }

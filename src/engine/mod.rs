@@ -9,6 +9,7 @@
 //! | interval | compact kernels, fixed width, a line | a grid | rounding | n + m | `interval/` |
 //! | sorted | compact kernels, fixed width, a line | any | rounding | n log n + m | `sorted.rs` |
 //! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
+//! | scatter | any kernel, widths that do not depend on the target, a line | any | rounding | n log m + m, or n · targets in a window | `scatter.rs` |
 //! | gather, splat, mesh, hermite, binned | the plane, see [`plane`] | | | | `plane/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
 //!
@@ -25,6 +26,7 @@ mod pairs;
 mod pieces;
 mod plan;
 pub mod plane;
+mod scatter;
 mod sorted;
 
 pub use binned::Binned;
@@ -34,6 +36,7 @@ pub use interval::Interval;
 pub use pairs::{CompactPairs, GaussianPairs};
 pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
 pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, Splat};
+pub use scatter::Scatter;
 pub use sorted::Sorted;
 
 use crate::kernel::KernelSum;

@@ -1,13 +1,20 @@
 //! Choosing an engine: all are asked for a quote, the cheapest within the tolerance is taken, and the choice can be read.
 
-use super::{Binned, Direct, Engine, Hermite, Interval, Quote, Sorted};
+use super::{Binned, Direct, Engine, Hermite, Interval, Quote, Scatter, Sorted};
 use crate::kernel::KernelSum;
 use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
 use std::fmt;
 use std::sync::OnceLock;
 
 /// The engines of the line. To add one is to add it here; the laws find it.
-pub const LINE: &[&dyn Engine<1>] = &[&Direct, &Interval, &Sorted, &Hermite, &Binned::AUTOMATIC];
+pub const LINE: &[&dyn Engine<1>] = &[
+    &Direct,
+    &Interval,
+    &Sorted,
+    &Hermite,
+    &Binned::AUTOMATIC,
+    &Scatter,
+];
 
 /// Why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -309,6 +316,7 @@ mod tests {
     use crate::kernel::{Bandwidth, Shape};
     use crate::sample::Sample;
     use crate::space::Grid;
+    use std::sync::Arc;
 
     fn sum(n: usize, shape: Shape, bandwidth: Bandwidth<1>) -> KernelSum<1> {
         let points = (0..n).map(|i| [(i as f64 * 0.618).fract()]).collect();
@@ -339,14 +347,20 @@ mod tests {
     }
 
     #[test]
-    fn widths_that_vary_go_to_the_definition() {
+    fn widths_of_the_points_are_scattered_and_widths_of_the_targets_go_to_the_definition() {
         let grid = Grid::new([0.0], [1.0], [1024]).unwrap();
         let sum = sum(
             1000,
             Shape::Epanechnikov,
             Bandwidth::PerPoint(vec![0.1; 1000].into()),
         );
-        let plan = plan(LINE, &sum, Targets::Grid(&grid), EXACT, None).unwrap();
+        let of_points = plan(LINE, &sum, Targets::Grid(&grid), EXACT, None).unwrap();
+        assert_eq!(of_points.engine().name(), "scatter");
+        let widths: Arc<dyn Field<1>> = Arc::new(sum.clone());
+        let sample = sum.sample().clone();
+        let balloon =
+            KernelSum::new(sample, Shape::Epanechnikov, Bandwidth::PerTarget(widths)).unwrap();
+        let plan = plan(LINE, &balloon, Targets::Grid(&grid), EXACT, None).unwrap();
         assert_eq!(plan.engine().name(), "direct");
         assert!(plan.to_string().contains("the bandwidth varies"), "{plan}");
     }

@@ -115,6 +115,26 @@ impl Bins {
         }
     }
 
+    /// The place of bin `number` among the [`Bins::len`] that are kept, if it is.
+    pub(super) fn index(&self, number: f64) -> Option<usize> {
+        match &self.store {
+            Store::Row { first, masses } => {
+                let place = number - first;
+                (place >= 0.0 && place < masses.len() as f64).then_some(place as usize)
+            }
+            Store::Sparse { numbers, .. } => {
+                numbers.binary_search_by(|k| k.total_cmp(&number)).ok()
+            }
+        }
+    }
+
+    /// How many bins are kept; O(n).
+    pub(super) fn len(&self) -> usize {
+        match &self.store {
+            Store::Row { masses, .. } | Store::Sparse { masses, .. } => masses.len(),
+        }
+    }
+
     /// The bins with data among those `within` on either side of bin `number`: their distance from it, signed, and their mass; ascending.
     pub(super) fn around(&self, number: f64, within: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         let (low, high) = (number - within, number + within);

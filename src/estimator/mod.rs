@@ -4,9 +4,12 @@
 //! To add an estimator: one file here with its [`Described`] constants, one line in `experiment/catalogue.rs`, one experiment that asks why
 //! it should exist.
 
+mod adaptive;
 mod balloon;
 mod bins;
+mod command;
 mod frequency_polygon;
+mod generalised_histogram;
 mod generalised_nearest_neighbour;
 mod histogram;
 mod histogram_plane;
@@ -14,12 +17,17 @@ mod kde;
 mod naive;
 mod nearest_neighbour;
 mod normal;
+mod normal_mixture;
+mod series;
 mod shifted_histogram;
 mod width;
 
 pub use crate::parameter::BuildError;
 pub use crate::theory::{Family, Moments};
+pub use adaptive::Abramson;
+pub use command::Command;
 pub use frequency_polygon::FrequencyPolygon;
+pub use generalised_histogram::GeneralisedHistogram;
 pub use generalised_nearest_neighbour::GeneralisedNearestNeighbour;
 pub use histogram::Histogram;
 pub use histogram_plane::HistogramPlane;
@@ -27,6 +35,8 @@ pub use kde::Kde;
 pub use naive::Naive;
 pub use nearest_neighbour::NearestNeighbour;
 pub use normal::Normal;
+pub use normal_mixture::NormalMixtureFit;
+pub use series::{CosineSeries, FourierSeries, HermiteSeries, LegendreSeries};
 pub use shifted_histogram::ShiftedHistogram;
 
 use crate::boundary::BoundaryError;

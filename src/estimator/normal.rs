@@ -54,14 +54,7 @@ impl Estimator<1> for Normal {
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
         let (centre, offset, deviation) = likeliest(sample);
-        let largest = sample
-            .coordinates()
-            .iter()
-            .enumerate()
-            .filter(|&(i, _)| sample.weight(i) > 0.0)
-            .fold(0.0, |largest: f64, (_, x)| largest.max(x.abs()));
-        // a spread below the resolution of the numbers themselves is no spread
-        if deviation <= 4.0 * f64::EPSILON * largest || !deviation.recip().is_finite() {
+        if !resolved(sample, deviation) {
             return Err(FitError::Degenerate(format!(
                 "all {} points are at {}: no normal density is likeliest for data without spread; choose another estimator",
                 sample.len(),
@@ -187,8 +180,19 @@ fn likeliest_plane(sample: &Sample<2>) -> FittedPlane {
     }
 }
 
+/// Whether a deviation is one: a spread below the resolution of the numbers themselves is no spread. O(n).
+pub(super) fn resolved(sample: &Sample<1>, deviation: f64) -> bool {
+    let largest = sample
+        .coordinates()
+        .iter()
+        .enumerate()
+        .filter(|&(i, _)| sample.weight(i) > 0.0)
+        .fold(0.0, |largest: f64, (_, x)| largest.max(x.abs()));
+    deviation > 4.0 * f64::EPSILON * largest && deviation.recip().is_finite()
+}
+
 /// A point of the sample, the distance of the mean from it, and the deviation. O(n).
-fn likeliest(sample: &Sample<1>) -> (f64, f64, f64) {
+pub(super) fn likeliest(sample: &Sample<1>) -> (f64, f64, f64) {
     let x = sample.coordinates();
     // a point of weight zero may be anywhere, and a far centre costs digits
     let centre = (0..x.len())

@@ -148,7 +148,15 @@ pub const ESTIMATORS: &[Entry] = &[
     both::<estimator::Kde, estimator::Kde<2>>(),
     both::<estimator::NearestNeighbour, estimator::NearestNeighbour>(),
     both::<estimator::GeneralisedNearestNeighbour, estimator::GeneralisedNearestNeighbour>(),
+    line::<estimator::GeneralisedHistogram>(),
+    both::<estimator::CosineSeries, estimator::CosineSeries>(),
+    both::<estimator::LegendreSeries, estimator::LegendreSeries>(),
+    both::<estimator::FourierSeries, estimator::FourierSeries>(),
+    line::<estimator::HermiteSeries>(),
+    line::<estimator::Abramson>(),
+    both::<estimator::Command, estimator::Command>(),
     both::<estimator::Normal, estimator::Normal>(),
+    line::<estimator::NormalMixtureFit>(),
 ];
 
 /// The estimator of that name.

@@ -57,6 +57,24 @@ pub struct Line {
     pub theory: bool,
 }
 
+impl Line {
+    /// The verdicts on all claims, and that an estimator fits the data on each that failed to.
+    pub fn all<const D: usize>(
+        experiment: &Experiment,
+        results: &Results<D>,
+        verdicts: &[Verdict],
+    ) -> Vec<Self> {
+        let claims = verdicts.iter().map(|verdict| verdict.line(experiment));
+        let failures = results.failures.iter().map(|failure| Self {
+            claim: format!("\"{}\" can be computed", failure.name),
+            holds: false,
+            detail: format!("failed {}", failure.what),
+            theory: true,
+        });
+        claims.chain(failures).collect()
+    }
+}
+
 /// An estimator's results in one line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SummaryRow {
@@ -147,10 +165,7 @@ pub fn write<const D: usize>(
             }
         }
     }
-    let verdicts: Vec<Line> = verdicts
-        .iter()
-        .map(|verdict| verdict.line(experiment))
-        .collect();
+    let verdicts = Line::all(experiment, results, verdicts);
     let manifest = Manifest {
         program: "lab",
         version: VERSION,

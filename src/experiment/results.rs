@@ -1,6 +1,6 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
-use super::run::{Bench, Cell, Finished, Record, Replicate};
+use super::run::{Bench, Cell, Failure, Finished, Record, Replicate};
 use super::{Experiment, Measure};
 use crate::accuracy::{Interval, Tally, mean_interval};
 use crate::numeric::Sum;
@@ -18,6 +18,8 @@ pub struct Results<const D: usize = 1> {
     pub groups: Vec<Group<D>>,
     /// What the reader should know, and on how many samples it came up.
     pub warnings: BTreeMap<Warning, usize>,
+    /// The estimators that failed and are in no group.
+    pub failures: Vec<Failure>,
 }
 
 /// The results for one source and sample size.
@@ -175,6 +177,7 @@ impl<const D: usize> Results<D> {
         Self {
             groups,
             warnings: finished.warnings,
+            failures: finished.failures,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod chebyshev;
 mod minimise;
+pub mod orthogonal;
 mod quadrature;
 mod root;
 pub mod special;

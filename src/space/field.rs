@@ -58,6 +58,8 @@ pub struct Evaluation {
     pub explanation: Vec<String>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
+    /// Why there are no values: they are then not numbers. Only where computing is out of our hands, as with another program.
+    pub failure: Option<String>,
 }
 
 /// A function on a domain: true density, estimate, raster, irradiance.

@@ -1,7 +1,10 @@
 //! Mean and variance at one place of the estimates that are linear in the counts of bins.
 
 use super::Moments;
+use super::integrated::panels_of;
 use crate::density::Density;
+use crate::numeric::orthogonal::{Basis, Legendre};
+use crate::numeric::{GaussLegendre, Sum};
 
 /// Moments of Σ cⱼ νⱼ where ν are the shares of `draws` points in disjoint bins, given as (low, high, c): the counts are multinomial, so
 /// the variance is \[Σ cⱼ² pⱼ - (Σ cⱼ pⱼ)²\] / n.
@@ -81,4 +84,39 @@ pub fn polygon_moments(
         draws,
         [bin(left, 1.0 - part), bin(left + 1.0, part)].into_iter(),
     )
+}
+
+/// The moments at `x` of the histogram whose bins each hold a polynomial of `degree`: with the functions ψₖ of the bin of x, the mean of g(X) and its
+/// variance over n, where g(y) = Σₖ ψₖ(x) ψₖ(y) inside the bin and 0 outside.
+pub fn generalised_histogram_moments(
+    truth: &dyn Density<1>,
+    width: f64,
+    origin: f64,
+    degree: usize,
+    draws: f64,
+    x: f64,
+) -> Moments {
+    let number = ((x - origin) / width).floor();
+    let (low, high) = (
+        number.mul_add(width, origin),
+        (number + 1.0).mul_add(width, origin),
+    );
+    let unit = |y: f64| ((y - origin) / width - number).clamp(0.0, 1.0);
+    let here = Legendre::at(unit(x), degree + 1);
+    let rule = GaussLegendre::new(24);
+    let (mut mean, mut square) = (Sum::default(), Sum::default());
+    for panel in panels_of(truth, low, high, []).windows(2) {
+        for (y, weight) in rule.on(panel[0], panel[1]) {
+            let there = Legendre::at(unit(y), degree + 1);
+            let g = here.iter().zip(there).map(|(a, b)| a * b).sum::<f64>() / width;
+            let term = weight * g * truth.at([y]);
+            mean.add(term);
+            square.add(term * g);
+        }
+    }
+    let mean = mean.value();
+    Moments {
+        mean,
+        variance: ((square.value() - mean * mean) / draws).max(0.0),
+    }
 }

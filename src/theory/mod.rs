@@ -2,12 +2,12 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`neighbour_moments`] |
+//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`generalised_histogram_moments`], [`series_moments`], [`adaptive_moments`], [`neighbour_moments`] |
 //! | the same of any estimate that is Σ κ(x, Xᵢ) / n | [`equivalent_moments`] |
-//! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`] |
+//! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`], [`SeriesError::at`] |
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
-//! | the best bandwidth or width | [`KernelError::optimum`], [`HistogramError::optimum`] |
+//! | the best bandwidth, width or number of terms | [`KernelError::optimum`], [`HistogramError::optimum`], [`SeriesError::optimum`] |
 //! | the same of all that an estimator is but for its width | [`Family`] |
 //! | errors in the plane, for normal mixtures and the Gaussian kernel | [`PlaneKernelError`], [`plane_kernel_moments`] |
 //! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
@@ -24,6 +24,7 @@
 //! Marron & Wand 1992, Exact Mean Integrated Squared Error, Annals of Statistics 20; Scott 1992, Multivariate Density Estimation, chapters 3 to 6;
 //! Silverman 1986, section 3.3.
 
+mod adaptive;
 mod asymptotic;
 mod autocorrelation;
 mod binned;
@@ -35,9 +36,13 @@ mod neighbour;
 mod optimum;
 mod plane;
 mod pointwise;
+mod series;
 
+pub use adaptive::{adaptive_moments, geometric_mean};
 pub use asymptotic::{Asymptotic, NoAsymptotics};
-pub use binned::{histogram_moments, polygon_moments, shifted_histogram_moments};
+pub use binned::{
+    generalised_histogram_moments, histogram_moments, polygon_moments, shifted_histogram_moments,
+};
 pub use family::Family;
 pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
@@ -46,6 +51,7 @@ pub use neighbour::{Convention, best_neighbours, neighbour_moments};
 pub use optimum::{Optimum, Oracle};
 pub use plane::{PlaneKernelError, kernel_oracle, plane_kernel_moments};
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
+pub use series::{SeriesError, Taper, series_moments};
 
 /// Mean and variance of an estimate at one place, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

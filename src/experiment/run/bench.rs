@@ -5,7 +5,7 @@ use super::{Cell, RunError, block_length};
 use crate::density::Density;
 use crate::estimator::{Context, Estimator};
 use crate::experiment::catalogue::{Builds, Entry};
-use crate::experiment::{Experiment, GridSpec, Limits, SourceSpec, catalogue};
+use crate::experiment::{Experiment, FigureKind, GridSpec, Limits, SourceSpec, catalogue};
 use crate::kernel::Shape;
 use crate::sample::{Sample, file};
 use crate::space::{Domain, Grid, Point, Polygon};
@@ -55,6 +55,7 @@ impl<const D: usize> Opened<D> {
 
 /// An experiment ready to run.
 pub struct Bench<const D: usize = 1> {
+    asked: Experiment,
     experiment: Experiment,
     sources: Vec<Opened<D>>,
     settings: Vec<Vec<Setting<D>>>,
@@ -85,13 +86,45 @@ impl<const D: usize> Bench<D> {
             sources.push(opened);
         }
         Ok(Self {
+            asked: experiment.clone(),
             experiment,
             sources,
             settings,
         })
     }
 
-    /// The experiment.
+    /// The same without some of its estimators, and without what is drawn of them alone; claims stay, to be judged as not shown.
+    #[must_use]
+    pub fn without(mut self, estimators: &[usize]) -> Self {
+        let stays = |position: &usize| !estimators.contains(position);
+        let mut position = 0;
+        self.experiment.estimators.retain(|_| {
+            position += 1;
+            stays(&(position - 1))
+        });
+        for setting in self.settings.iter_mut().flatten() {
+            let mut position = 0;
+            setting.estimators.retain(|_| {
+                position += 1;
+                stays(&(position - 1))
+            });
+        }
+        let left = &self.experiment.estimators;
+        self.experiment.figures.retain(|figure| match &figure.kind {
+            FigureKind::Sweep { of, .. } => left
+                .iter()
+                .any(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == *of)),
+            _ => true,
+        });
+        self
+    }
+
+    /// The experiment as it was asked for.
+    pub fn asked(&self) -> &Experiment {
+        &self.asked
+    }
+
+    /// The experiment; without estimators that were left out because they failed.
     pub fn experiment(&self) -> &Experiment {
         &self.experiment
     }

@@ -1,6 +1,6 @@
 //! The unit of work: one estimator on one block of replicates.
 
-use super::{Bench, RunError};
+use super::{Bench, Failure, RunError};
 use crate::accuracy::{Errors, Tally};
 use crate::numeric::Sum;
 use crate::random;
@@ -77,9 +77,23 @@ pub(super) fn compute<const D: usize>(
         let estimate = estimator.fit(&sample).map_err(|error| {
             let name = &bench.experiment().estimators[cell.estimator].name;
             let source = bench.experiment().sources[cell.source].name();
-            RunError::Input(format!("estimator \"{name}\" on sample {replicate} of {} points from \"{source}\": {error}", sample.len()))
+            RunError::Estimator(Failure {
+                estimator: cell.estimator,
+                name: name.clone(),
+                what: format!(
+                    "on sample {replicate} of {} points from \"{source}\": {error}",
+                    sample.len()
+                ),
+            })
         })?;
         let evaluation = estimate.evaluate(Targets::Grid(&setting.grid));
+        if let Some(why) = evaluation.failure {
+            return Err(RunError::Estimator(Failure {
+                estimator: cell.estimator,
+                name: bench.experiment().estimators[cell.estimator].name.clone(),
+                what: format!("on sample {replicate}: {why}"),
+            }));
+        }
         for warning in evaluation.warnings {
             match record
                 .warnings
@@ -98,10 +112,11 @@ pub(super) fn compute<const D: usize>(
         if let Some(place) = values.iter().position(|v| !v.is_finite()) {
             let x = place_name(setting.grid.centre(place));
             let name = &bench.experiment().estimators[cell.estimator].name;
-            return Err(RunError::Input(format!(
-                "estimator \"{name}\" gave {} at {x} on sample {replicate}",
-                values[place]
-            )));
+            return Err(RunError::Estimator(Failure {
+                estimator: cell.estimator,
+                name: name.clone(),
+                what: format!("gave {} at {x} on sample {replicate}", values[place]),
+            }));
         }
         record.replicates.push(Replicate {
             errors: setting

@@ -20,12 +20,26 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+/// An estimator that could not do what was asked of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// Its position in the experiment.
+    pub estimator: usize,
+    /// Its name.
+    pub name: String,
+    /// What went wrong, and where.
+    pub what: String,
+}
+
 /// Why a run ended without results.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The experiment cannot be carried out on its data.
     #[error("{0}")]
     Input(String),
+    /// An estimator failed, and there is no other to go on with.
+    #[error("estimator \"{}\" {}", .0.name, .0.what)]
+    Estimator(Failure),
     /// Reading or writing failed.
     #[error(transparent)]
     Storage(#[from] StorageError),
@@ -66,12 +80,33 @@ pub struct Finished {
     pub records: BTreeMap<Cell, Record>,
     /// What the reader should know, and on how many samples it came up.
     pub warnings: BTreeMap<Warning, usize>,
+    /// The estimators that failed; none of their cells is among the records.
+    pub failures: Vec<Failure>,
+}
+
+impl Finished {
+    /// The bench without the estimators that failed, and the results numbered as its estimators then are.
+    #[must_use]
+    pub fn on_what_is_left<const D: usize>(mut self, bench: Bench<D>) -> (Bench<D>, Self) {
+        let failed: Vec<usize> = self.failures.iter().map(|f| f.estimator).collect();
+        let moved = |mut cell: Cell| {
+            cell.estimator -= failed.iter().filter(|&&f| f < cell.estimator).count();
+            cell
+        };
+        self.records = std::mem::take(&mut self.records)
+            .into_iter()
+            .map(|(cell, record)| (moved(cell), record))
+            .collect();
+        (bench.without(&failed), self)
+    }
 }
 
 /// Does what is not in the journal of `folder` yet.
 ///
+/// An estimator that fails is left out, and the others go on. Its cells are not kept, so that it is tried again if the run is continued.
+///
 /// # Errors
-/// If a sample cannot be fitted, the journal cannot be written, or `stop` was raised; finished cells stay in the journal.
+/// If every estimator fails, the journal cannot be written, or `stop` was raised; finished cells stay in the journal.
 pub fn run<const D: usize>(
     bench: &Bench<D>,
     folder: &RunFolder,
@@ -98,13 +133,25 @@ pub fn run<const D: usize>(
         .copied()
         .collect();
     let finished = AtomicUsize::new(records.len());
+    let failed: Vec<AtomicBool> = bench
+        .experiment()
+        .estimators
+        .iter()
+        .map(|_| AtomicBool::new(false))
+        .collect();
     let outcomes: Vec<Result<Option<(Cell, Record)>, RunError>> = open
         .into_par_iter()
         .map(|cell| {
-            if stop.load(Ordering::Relaxed) {
+            // what has failed once is not tried again, which may take long
+            if stop.load(Ordering::Relaxed) || failed[cell.estimator].load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let Some(record) = cell::compute(bench, cell, stop)? else {
+            let computed = cell::compute(bench, cell, stop).inspect_err(|error| {
+                if let RunError::Estimator(failure) = error {
+                    failed[failure.estimator].store(true, Ordering::Relaxed);
+                }
+            });
+            let Some(record) = computed? else {
                 return Ok(None);
             };
             journal::save(folder.journal(), cell, &record)?;
@@ -113,24 +160,53 @@ pub fn run<const D: usize>(
             Ok(Some((cell, record)))
         })
         .collect();
+    let mut failures: Vec<Failure> = Vec::new();
     for outcome in outcomes {
-        if let Some((cell, record)) = outcome? {
-            records.insert(cell, record);
+        match outcome {
+            Ok(Some((cell, record))) => {
+                records.insert(cell, record);
+            }
+            Ok(None) => {}
+            Err(RunError::Estimator(failure)) => {
+                if failures.iter().all(|f| f.estimator != failure.estimator) {
+                    failures.push(failure);
+                }
+            }
+            Err(error) => return Err(error),
         }
     }
-    if records.len() < cells.len() {
+    let lost = |cell: &Cell| failures.iter().any(|f| f.estimator == cell.estimator);
+    records.retain(|cell, _| !lost(cell));
+    if records.len() < cells.iter().filter(|cell| !lost(cell)).count() {
         return Err(RunError::Interrupted {
             done: finished.into_inner(),
             total: cells.len(),
         });
     }
+    if failures.len() == bench.experiment().estimators.len() && !failures.is_empty() {
+        return Err(RunError::Estimator(failures.swap_remove(0)));
+    }
     let mut warnings = BTreeMap::new();
+    for failure in &failures {
+        let warning = Warning {
+            what: format!(
+                "estimator \"{}\" failed {}; it is left out",
+                failure.name, failure.what
+            ),
+            hint: "mend it and run again with --force; the others are not affected".to_owned(),
+        };
+        warnings.insert(warning, 1);
+    }
     for record in records.values() {
         for (warning, count) in &record.warnings {
             *warnings.entry(warning.clone()).or_insert(0) += count;
         }
     }
-    Ok(Finished { records, warnings })
+    Ok(Finished {
+        records,
+        warnings,
+        failures,
+    })
 }
 
 /// The number of replicates in one cell.

@@ -1,5 +1,6 @@
 //! The estimates of each group's first sample, finely enough for print.
 
+use crate::estimator::FitError;
 use crate::experiment::results::{Group, Results};
 use crate::experiment::run::{Bench, RunError};
 use crate::report::figure::{Role, Series};
@@ -43,8 +44,14 @@ fn evaluate(bench: &Bench, group: &Group, grid: &Grid<1>) -> Result<Vec<Vec<f64>
                 ))
             };
             let estimate = estimator.fit(&sample).map_err(refused)?;
-            let Evaluation { values, .. } = estimate.evaluate(Targets::Grid(grid));
-            Ok(values)
+            let Evaluation {
+                values, failure, ..
+            } = estimate.evaluate(Targets::Grid(grid));
+            match failure {
+                // it did not when the cells were computed
+                Some(why) => Err(refused(FitError::Engine(why))),
+                None => Ok(values),
+            }
         })
         .collect()
 }

@@ -148,7 +148,7 @@ where
     write_atomically(&folder.path().join("report.html"), page.as_bytes())?;
     manifest::write(
         folder.path(),
-        bench.experiment(),
+        bench.asked(),
         results,
         verdicts,
         circumstances,

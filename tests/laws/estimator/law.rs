@@ -2,6 +2,7 @@
 
 use super::cases::{Data, Sort, Subject, equal, span, weighted};
 use density_lab::estimator::{Estimate, Estimator, FitError, Laws};
+use density_lab::kernel::Bandwidth;
 use density_lab::sample::Sample;
 use density_lab::space::{Domain, Field, Grid, Targets};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -123,17 +124,24 @@ fn difference_above(
 }
 
 /// The length over which the estimate changes: what the estimator says, else the deviation of the data, else their range.
-fn length(estimate: &Estimate<1>, points: &[f64]) -> f64 {
+fn length(subject: &Subject, estimate: &Estimate<1>, points: &[f64]) -> f64 {
     let (low, high) = span(points);
     estimate
         .smoothing
+        .filter(|_| subject.by_length)
         .unwrap_or_else(|| if high > low { (high - low) / 4.0 } else { 1.0 })
 }
 
 fn mass(subject: &Subject, data: &Data) -> Option<String> {
     let sample = data.sample();
     let estimate = fit!(subject.plain(), &sample);
-    let integral = integral(&estimate, &data.points, length(&estimate, &data.points));
+    let usual = length(subject, &estimate, &data.points);
+    // bumps of widths of their own are looked at as far as each reaches
+    let lengths: Vec<f64> = match &estimate.bandwidth {
+        Some(Bandwidth::PerPoint(widths)) => widths.to_vec(),
+        _ => vec![usual; data.points.len()],
+    };
+    let integral = integral(&estimate, &data.points, &lengths);
     let close = (integral - sample.mass()).abs() <= QUADRATURE * sample.mass();
     (!close).then(|| format!("integral {integral}, mass {}", sample.mass()))
 }
@@ -141,10 +149,11 @@ fn mass(subject: &Subject, data: &Data) -> Option<String> {
 /// ∫ over the line by Simpson's rule, halving panels until it agrees with itself; the first panels are half a smoothing length within 12 of them around the
 /// data, so that no bump is missed,
 /// and cut where compact kernels end.
-fn integral(field: &dyn Field<1>, points: &[f64], length: f64) -> f64 {
+fn integral(field: &dyn Field<1>, points: &[f64], lengths: &[f64]) -> f64 {
     let mut cuts: Vec<f64> = points
         .iter()
-        .flat_map(|x| (-24..=24).map(move |k| f64::from(k).mul_add(0.5 * length, *x)))
+        .zip(lengths)
+        .flat_map(|(x, length)| (-24..=24).map(move |k| f64::from(k).mul_add(0.5 * length, *x)))
         .collect();
     cuts.sort_by(f64::total_cmp);
     let f = |x: f64| field.at([x]);
@@ -179,7 +188,7 @@ fn simpson(
 fn sign(subject: &Subject, data: &Data) -> Option<String> {
     let estimate = fit!(subject.plain(), &data.sample());
     let (low, high) = span(&data.points);
-    let reach = 6.0 * length(&estimate, &data.points);
+    let reach = 6.0 * length(subject, &estimate, &data.points);
     let mut targets = data.targets.clone();
     targets.extend(
         (0..=400).map(|i| f64::from(i).mul_add((high - low + 2.0 * reach) / 400.0, low - reach)),
@@ -226,7 +235,7 @@ fn continuity(subject: &Subject, data: &Data) -> Option<String> {
     const STEPS: usize = 1500;
     let estimate = fit!(subject.plain(), &data.sample());
     let (low, high) = span(&data.points);
-    let s = length(&estimate, &data.points);
+    let s = length(subject, &estimate, &data.points);
     let (low, high) = (low - 4.0 * s, high + 4.0 * s);
     let targets: Vec<f64> = (0..=STEPS)
         .map(|i| (i as f64).mul_add((high - low) / STEPS as f64, low))
@@ -514,7 +523,7 @@ fn many_targets(subject: &Subject, data: &Data) -> Option<String> {
     let (low, high) = span(&data.targets);
     let grid = Grid::new([low], [high + 1.0], [64]).unwrap();
     // no kernel is higher than 1.1
-    let ceiling = 1.1 * data.sample().mass() / length(&estimate, &data.points);
+    let ceiling = 1.1 * data.sample().mass() / length(subject, &estimate, &data.points);
     let places: Vec<[f64; 1]> = data.targets.iter().map(|&x| [x]).collect();
     for targets in [Targets::Grid(&grid), Targets::Points(&places)] {
         let evaluation = estimate.evaluate(targets);
@@ -536,7 +545,7 @@ fn many_targets(subject: &Subject, data: &Data) -> Option<String> {
 fn far_targets(subject: &Subject, data: &Data) -> Option<String> {
     let estimate = fit!(subject.plain(), &data.sample());
     let far = [-1e300, -1e12, 1e12, 1e300, f64::MAX, f64::MIN];
-    let ceiling = 1.0 / length(&estimate, &data.points);
+    let ceiling = 1.0 / length(subject, &estimate, &data.points);
     far.iter()
         .zip(values(&estimate, &far))
         .find(|(_, v)| v.is_nan() || v.abs() > 1e-12 * ceiling)

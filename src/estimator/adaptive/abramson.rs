@@ -1,0 +1,327 @@
+//! Abramson's square-root law.
+
+use crate::density::Density;
+use crate::engine::{EXACT, LINE, Planned};
+use crate::estimator::{
+    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments,
+};
+use crate::kernel::{Bandwidth, Kernel, KernelSum, Shape};
+use crate::numeric::Sum;
+use crate::parameter::{Absent, Kind, Parameter, Values};
+use crate::sample::Sample;
+use crate::selector::{NormalReference, Scott, Selector, Silverman};
+use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
+use crate::theory::{adaptive_moments, geometric_mean, kernel_moments};
+use std::sync::Arc;
+
+/// f̂(x) = Σ wᵢ K((x - Xᵢ)/hᵢ)/hᵢ with hᵢ = h (p(Xᵢ)/g)^(-α), p a pilot estimate, g the geometric mean of p over the data, α = 1/2.
+///
+/// With α = 1/2 the bias falls as h⁴ instead of h²: h⁴ (k₄/24) (1/f)'''' g² + o(h⁴), where f is smooth and not small. The pilot need not be good; where
+/// it is small the widths would grow beyond bounds and their bumps disturb places far away, which destroys the rate [Terrell & Scott 1992], so that p counts as
+/// no less than `clip` times g. Mass is kept exactly, and nothing is negative.
+///
+/// Pilot and estimate are computed by the engines: O(n log n + m) for polynomial kernels.
+pub struct Abramson {
+    shape: Shape,
+    width: Width,
+    pilot: Pilot,
+    exponent: f64,
+    clip: f64,
+}
+
+/// Where a bandwidth comes from.
+enum Width {
+    Number(f64),
+    Selected(Box<dyn Selector<1>>),
+}
+
+/// What the widths follow.
+enum Pilot {
+    /// A kernel estimate of the same data with this bandwidth.
+    Estimate(Width),
+    /// The known truth, with its geometric mean.
+    Truth(Arc<dyn Density<1>>, f64),
+}
+
+impl Width {
+    /// What the file says: a number or a rule; `None` for another word.
+    fn given(values: &Values, name: &str) -> Option<Self> {
+        if let Some(h) = values.number(name) {
+            return Some(Self::Number(h));
+        }
+        Some(Self::Selected(match values.word(name)? {
+            "silverman" => Box::new(Silverman),
+            "normal-reference" => Box::new(NormalReference),
+            "scott" => Box::new(Scott),
+            _ => return None,
+        }))
+    }
+
+    fn of(
+        &self,
+        sample: &Sample<1>,
+        shape: Shape,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<f64, FitError> {
+        match self {
+            Self::Number(h) => Ok(*h),
+            Self::Selected(selector) => {
+                let selection = selector.select(sample, shape)?;
+                for warning in selection.warnings {
+                    if !warnings.contains(&warning) {
+                        warnings.push(warning);
+                    }
+                }
+                match selection.bandwidth {
+                    Bandwidth::Fixed([h]) => Ok(h),
+                    _ => Err(FitError::Degenerate(format!(
+                        "the rule {} gives no single bandwidth",
+                        selector.name()
+                    ))),
+                }
+            }
+        }
+    }
+
+    fn fixed(&self) -> Option<f64> {
+        match self {
+            Self::Number(h) => Some(*h),
+            Self::Selected(_) => None,
+        }
+    }
+}
+
+impl Abramson {
+    /// (p/g)^(-α) with p clipped from below; never so far that a width is beyond all numbers.
+    fn stretch(&self, pilot: f64, mean: f64) -> f64 {
+        const LEAST: f64 = 1e-12;
+        (pilot / mean)
+            .max(self.clip)
+            .max(LEAST)
+            .powf(-self.exponent)
+    }
+
+    /// What each width is a multiple of, times what. O(n log n).
+    fn stretches(
+        &self,
+        sample: &Sample<1>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<f64>, FitError> {
+        let n = sample.len();
+        if self.exponent == 0.0 {
+            return Ok(vec![1.0; n]);
+        }
+        let (values, mean) = match &self.pilot {
+            Pilot::Truth(truth, mean) => {
+                let values: Vec<f64> = sample.points().iter().map(|x| truth.at(*x)).collect();
+                (values, *mean)
+            }
+            Pilot::Estimate(width) => {
+                let h = width.of(sample, self.shape, warnings)?;
+                let sum = KernelSum::new(sample.clone(), self.shape, Bandwidth::Fixed([h]))?;
+                // what a datum contributes to the pilot at its own place: no less is there, whatever an engine rounds to
+                let own = self.shape.peak() / h;
+                let planned = Planned::new(LINE, sum, EXACT, None)
+                    .map_err(|error| FitError::Engine(error.to_string()))?;
+                let mut values = planned.evaluate(Targets::Points(sample.points())).values;
+                let mut logarithms = Sum::default();
+                for (i, value) in values.iter_mut().enumerate() {
+                    let weight = sample.weight(i);
+                    *value = value.max(weight * own);
+                    if weight > 0.0 {
+                        logarithms.add(weight * value.ln());
+                    }
+                }
+                (values, (logarithms.value() / sample.mass()).exp())
+            }
+        };
+        Ok((0..n)
+            .map(|i| {
+                let stretch = self.stretch(values[i], mean);
+                // a point without weight adds nothing, whatever its width
+                if sample.weight(i) > 0.0 { stretch } else { 1.0 }
+            })
+            .collect())
+    }
+}
+
+/// A sum of bumps that are nowhere negative: what an engine rounds to below zero is zero.
+struct NonNegative(Planned<1>);
+
+impl Field<1> for NonNegative {
+    fn domain(&self) -> &Domain<1> {
+        self.0.domain()
+    }
+
+    fn at(&self, x: Point<1>) -> f64 {
+        self.0.at(x)
+    }
+
+    fn evaluate(&self, targets: Targets<'_, 1>) -> Evaluation {
+        let mut evaluation = self.0.evaluate(targets);
+        for value in &mut evaluation.values {
+            // not `max`, which would hide what is not a number
+            if *value < 0.0 {
+                *value = 0.0;
+            }
+        }
+        evaluation
+    }
+}
+
+impl Estimator<1> for Abramson {
+    fn laws(&self) -> Laws {
+        let fixed = self.width.fixed().is_some();
+        let (adapts, sees) = match &self.pilot {
+            _ if self.exponent == 0.0 => (false, true),
+            Pilot::Truth(..) => (false, true),
+            Pilot::Estimate(width) => (true, width.fixed().is_some()),
+        };
+        Laws {
+            mass_conserving: true,
+            non_negative: true,
+            linear: fixed && !adapts,
+            continuous: self.shape != Shape::Uniform,
+            deterministic: true,
+            scale_equivariant: true,
+            translation_equivariant: true,
+            // rules for widths look at the effective size
+            repeatable: fixed && sees,
+        }
+    }
+
+    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+        let mut warnings = Vec::new();
+        let h = self.width.of(sample, self.shape, &mut warnings)?;
+        let widths: Arc<[f64]> = self
+            .stretches(sample, &mut warnings)?
+            .into_iter()
+            .map(|stretch| h * stretch)
+            .collect();
+        let bandwidth = Bandwidth::PerPoint(widths);
+        let field = |sample: Sample<1>| -> Result<Arc<dyn Field<1>>, FitError> {
+            let sum = KernelSum::new(sample, self.shape, bandwidth.clone())?;
+            let planned = Planned::new(LINE, sum, EXACT, None)
+                .map_err(|error| FitError::Engine(error.to_string()))?;
+            Ok(Arc::new(NonNegative(planned)))
+        };
+        let mut estimate = Estimate::new(field(sample.clone())?).with_channels(
+            (0..sample.channels())
+                .map(|c| field(sample.channel(c)))
+                .collect::<Result<_, _>>()?,
+        );
+        estimate.smoothing = Some(h);
+        estimate.bandwidth = Some(bandwidth);
+        estimate.warnings = warnings;
+        Ok(estimate)
+    }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<1>,
+        draws: usize,
+        places: &[Point<1>],
+    ) -> Option<Vec<Moments>> {
+        let (h, draws) = (self.width.fixed()?, draws as f64);
+        let at = |x: f64| match &self.pilot {
+            _ if self.exponent == 0.0 => Some(kernel_moments(truth, self.shape, h, draws, x)),
+            Pilot::Truth(pilot, mean) => {
+                let width = |y: f64| h * self.stretch(pilot.at([y]), *mean);
+                // the clip bends the width where the pilot passes clip · g
+                let cuts = clip_cuts(&**pilot, self.clip * mean);
+                Some(adaptive_moments(truth, self.shape, width, &cuts, draws, x))
+            }
+            Pilot::Estimate(_) => None,
+        };
+        places.iter().map(|&[x]| at(x)).collect()
+    }
+}
+
+/// Where `pilot` passes `level`, as well as a thousand places can see.
+fn clip_cuts(pilot: &dyn Density<1>, level: f64) -> Vec<f64> {
+    const STEPS: usize = 1000;
+    let ([low], [high]) = pilot.bulk(1e-18);
+    let above = |y: f64| pilot.at([y]) - level;
+    (0..STEPS)
+        .filter_map(|i| {
+            let place = |i: usize| low + (high - low) * i as f64 / STEPS as f64;
+            let (a, b) = (place(i), place(i + 1));
+            (above(a) * above(b) < 0.0)
+                .then(|| crate::numeric::root(above, a, b))
+                .flatten()
+        })
+        .collect()
+}
+
+const RULES: &[&str] = &["silverman", "normal-reference", "scott"];
+
+impl Described for Abramson {
+    const NAME: &'static str = "abramson";
+    const SUMMARY: &'static str =
+        "a bump on each point, wider where a pilot estimate is low: bias of order h⁴";
+    const COST: &'static str = "O(n log n + m) for polynomial kernels";
+    const REFERENCE: &'static str =
+        "Abramson 1982; Silverman 1986, section 5.3; Terrell & Scott 1992";
+    const SMOOTHING: Option<&'static str> = Some("bandwidth");
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::optional(
+            "shape",
+            Kind::Choice(&Shape::NAMES),
+            Absent::Word("gaussian"),
+            "the kernel, of the pilot too",
+        ),
+        Parameter::required(
+            "bandwidth",
+            Kind::PositiveOr(RULES),
+            "h, the bandwidth where the pilot has its geometric mean, in the unit of the data",
+        )
+        .length()
+        .swept(),
+        Parameter::optional(
+            "pilot",
+            Kind::PositiveOr(&["silverman", "normal-reference", "scott", "truth"]),
+            Absent::Word("normal-reference"),
+            "the bandwidth of the pilot estimate; truth: the known density is the pilot",
+        )
+        .length(),
+        Parameter::optional(
+            "exponent",
+            Kind::Fraction,
+            Absent::Number(0.5),
+            "α in width ∝ pilot^(-α); 1/2 is Abramson's, 0 a fixed width",
+        ),
+        Parameter::optional(
+            "clip",
+            Kind::Fraction,
+            Absent::Number(0.1),
+            "the pilot counts as no less than this share of its geometric mean",
+        ),
+    ];
+}
+
+impl Build<1> for Abramson {
+    fn build(values: &Values, context: &Context<1>) -> Result<Self, BuildError> {
+        let shape = values
+            .word("shape")
+            .and_then(Shape::named)
+            .unwrap_or(Shape::Gaussian);
+        let pilot = match Width::given(values, "pilot") {
+            Some(width) => Pilot::Estimate(width),
+            None => {
+                let truth = context.truth.clone().ok_or_else(|| BuildError {
+                    parameter: "pilot",
+                    what: "\"truth\" is the known density, and the density of measured data is not known; give a bandwidth or a rule".to_owned(),
+                })?;
+                let mean = geometric_mean(&*truth);
+                Pilot::Truth(truth, mean)
+            }
+        };
+        Ok(Self {
+            shape,
+            width: Width::given(values, "bandwidth").unwrap_or(Width::Number(1.0)),
+            pilot,
+            exponent: values.number("exponent").unwrap_or(0.5),
+            clip: values.number("clip").unwrap_or(0.1),
+        })
+    }
+}
