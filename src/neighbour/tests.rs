@@ -98,7 +98,7 @@ proptest! {
         ranks in vec(0usize..1000, 3),
         (scale, shift) in frame(),
     ) {
-        let moved = |x: f64| if x == 1e300 { x } else { x * scale + shift };
+        let moved = |x: f64| if x >= 1e300 { x } else { x * scale + shift };
         let (points, mut weights): (Vec<_>, Vec<_>) = data.into_iter().map(|(x, w)| ([moved(x)], w)).unzip();
         positive(&mut weights);
         let mut places: Vec<_> = targets.into_iter().map(|x| [moved(x)]).collect();
@@ -125,7 +125,7 @@ proptest! {
         flat in prop_oneof![6 => Just(1.0), 1 => Just(0.0), 1 => Just(1e-9)],
         round in 0usize..4,
     ) {
-        let moved = |[x, y]: [f64; 2]| [if x == 1e300 { x } else { x * scale + shift }, y * flat * scale + shift];
+        let moved = |[x, y]: [f64; 2]| [if x >= 1e300 { x } else { x * scale + shift }, y * flat * scale + shift];
         let (points, mut weights): (Vec<_>, Vec<_>) =
             data.into_iter().map(|(x, y, w)| (moved([x, y]), w)).unzip();
         positive(&mut weights);

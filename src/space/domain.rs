@@ -200,6 +200,6 @@ impl Domain<2> {
 
     /// The inside of `outline` with walls all round.
     pub fn inside(outline: Polygon) -> Self {
-        Self::bounded(outline).expect("a plane has two axes")
+        Self::bounded(outline).unwrap_or_else(|| unreachable!("a plane has two axes"))
     }
 }

@@ -12,7 +12,7 @@ pub fn mode_count<const D: usize>(raster: &Raster<D>, tolerance: f64) -> usize {
     match grid.cells()[..] {
         [cells] => {
             let line = Grid::new([grid.low()[0]], [grid.high()[0]], [cells])
-                .expect("the same bounds and cells are a grid already");
+                .unwrap_or_else(|error| unreachable!("they are a grid already: {error}"));
             modes(&Raster::new(line, raster.values().to_vec()), tolerance).len()
         }
         [rows, columns] => summits(raster.values(), [rows, columns], tolerance),

@@ -331,6 +331,10 @@ impl Bivariate for PlaneMixture {
 }
 
 /// The mean and covariance of a mixture of parts with these weights, means and covariances.
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "an iterator is a value; it is walked several times"
+)]
 pub(super) fn moments(
     parts: impl Iterator<Item = (f64, Point<2>, [[f64; 2]; 2])> + Clone,
 ) -> (Point<2>, [[f64; 2]; 2]) {

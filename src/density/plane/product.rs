@@ -19,7 +19,7 @@ impl Product {
             |value: &dyn Fn(&Domain<1>) -> f64| [0, 1].map(|k: usize| value(factors[k].domain()));
         let sides = [0, 1].map(|k: usize| factors[k].domain().sides()[0]);
         let domain = Domain::new(of(&|d| d.low()[0]), of(&|d| d.high()[0]), sides)
-            .expect("each axis is that of a domain");
+            .unwrap_or_else(|error| unreachable!("each axis is that of a domain: {error}"));
         Self { factors, domain }
     }
 

@@ -186,7 +186,7 @@ impl Square {
                     SquarePart::Disc { centre, radius } => radius >= 1e-4 && within(centre, radius),
                 }
         });
-        if !legal || !(total > 0.0 && total.is_finite()) {
+        if !(legal && total > 0.0 && total.is_finite()) {
             return None;
         }
         for part in &mut parts {

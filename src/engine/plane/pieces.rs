@@ -277,10 +277,10 @@ mod tests {
         let weights: Vec<f64> = (0..points.len()).map(|i| i as f64).collect();
         let bands = Bands { bands: 8, cells: 5 };
         let key = |[x, y]: Point<2>, _: f64| {
-            if !(0.0..8.0).contains(&x) {
-                NOWHERE
-            } else {
+            if (0.0..8.0).contains(&x) {
                 x as u32 * 5 + (y * 5.0) as u32
+            } else {
+                NOWHERE
             }
         };
         let data = Data {

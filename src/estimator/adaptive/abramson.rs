@@ -305,16 +305,15 @@ impl Build<1> for Abramson {
             .word("shape")
             .and_then(Shape::named)
             .unwrap_or(Shape::Gaussian);
-        let pilot = match Width::given(values, "pilot") {
-            Some(width) => Pilot::Estimate(width),
-            None => {
-                let truth = context.truth.clone().ok_or_else(|| BuildError {
+        let pilot = if let Some(width) = Width::given(values, "pilot") {
+            Pilot::Estimate(width)
+        } else {
+            let truth = context.truth.clone().ok_or_else(|| BuildError {
                     parameter: "pilot",
                     what: "\"truth\" is the known density, and the density of measured data is not known; give a bandwidth or a rule".to_owned(),
                 })?;
-                let mean = geometric_mean(&*truth);
-                Pilot::Truth(truth, mean)
-            }
+            let mean = geometric_mean(&*truth);
+            Pilot::Truth(truth, mean)
         };
         Ok(Self {
             shape,

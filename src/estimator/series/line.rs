@@ -47,20 +47,19 @@ impl Estimator<1> for HermiteSeries {
     }
 
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
-        let placed = match self.fixed() {
-            Some(placed) => placed,
-            None => {
-                let (centre, offset, deviation) = likeliest(sample);
-                if self.scale.is_none() && !resolved(sample, deviation) {
-                    return Err(FitError::Degenerate(format!(
-                        "all {} points are at {}: their deviation is no scale for a series; give `scale`",
-                        sample.len(),
-                        centre + offset
-                    )));
-                }
-                let (centre, offset) = self.location.map_or((centre, offset), |x| (x, 0.0));
-                Placed::about(centre, offset, self.scale.unwrap_or(deviation))
+        let placed = if let Some(placed) = self.fixed() {
+            placed
+        } else {
+            let (centre, offset, deviation) = likeliest(sample);
+            if self.scale.is_none() && !resolved(sample, deviation) {
+                return Err(FitError::Degenerate(format!(
+                    "all {} points are at {}: their deviation is no scale for a series; give `scale`",
+                    sample.len(),
+                    centre + offset
+                )));
             }
+            let (centre, offset) = self.location.map_or((centre, offset), |x| (x, 0.0));
+            Placed::about(centre, offset, self.scale.unwrap_or(deviation))
         };
         let positive = self.laws().non_negative;
         fit(sample, placed, self.length, positive, Vec::new())

@@ -89,7 +89,9 @@ impl<B: Basis> Field<1> for Fitted<B> {
     fn evaluate(&self, targets: Targets<'_, 1>) -> Evaluation {
         let places: Vec<f64> = targets.places().map(|[x]| x).collect();
         let mut values = self.placed.sum(&self.coefficients, &places);
-        values.iter_mut().for_each(|v| *v = self.cleared(*v));
+        for value in &mut values {
+            *value = self.cleared(*value);
+        }
         Evaluation {
             values,
             // of some `terms` additions, relative to a value to which all terms contribute alike

@@ -89,7 +89,9 @@ impl<B: Basis> Placed<B> {
         }
         let norm = self.length.sqrt().recip();
         let mut values = B::at(self.unit(x), terms);
-        values.iter_mut().for_each(|value| *value *= norm);
+        for value in &mut values {
+            *value *= norm;
+        }
         values
     }
 

@@ -21,9 +21,9 @@ impl Draws<2> for Paper {
                 let grid = group.grid;
                 let mut estimates = of_first_sample(material, group, Targets::Grid(&grid))?;
                 let setting = material.bench.setting(group.source, group.size);
-                estimates
-                    .iter_mut()
-                    .for_each(|values| setting.restrict(values));
+                for values in &mut estimates {
+                    setting.restrict(values);
+                }
                 Ok(estimates)
             })
             .collect::<Result<_, RunError>>()?;
