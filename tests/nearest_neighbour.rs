@@ -220,7 +220,7 @@ fn the_gaussian_filter_of_photon_maps_sees_0_5312_of_the_light() {
 #[test]
 fn the_tails_hold_mass_that_grows_like_a_logarithm() {
     let (n, k) = (500, 20);
-    let share = k as f64 / n as f64;
+    let share = k as f64 / f64::from(n as u32);
     let normal = named("normal").unwrap();
     let mut random = stream(7, "tails", 0);
     let points: Vec<[f64; 1]> = (0..n).map(|_| normal.draw(&mut random)).collect();
@@ -303,7 +303,9 @@ fn what_the_theory_expects_is_what_happens() {
         assert!(z.iter().all(|z| z.abs() < LEVEL), "{convention:?}: {z:?}");
         // planted: a mean 1 % too high; one neighbour too many
         let mut high = claimed.clone();
-        high.iter_mut().for_each(|claim| claim.mean *= 1.01);
+        for claim in &mut high {
+            claim.mean *= 1.01;
+        }
         assert!(judge(&high).iter().any(|z| z.abs() > LEVEL));
         let other = neighbour_moments(&*truth, k + 1, convention, n, &places).unwrap();
         assert!(judge(&other).iter().any(|z| z.abs() > LEVEL));

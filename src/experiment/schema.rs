@@ -5,7 +5,7 @@
 
 use super::Measure;
 use super::catalogue;
-use super::read::{figure, form, source, sweep, whole};
+use super::read::{figure, form, grid, source, sweep, whole};
 use crate::density;
 use crate::parameter::{Absent, Kind, Parameter};
 use serde_json::{Map, Value, json};
@@ -114,8 +114,8 @@ fn claim_schema() -> Value {
 
 /// A number on a line, a number for each axis or one for both in the plane.
 fn grid_schema() -> Value {
-    let mut schema = table(whole::GRID);
-    for parameter in whole::GRID {
+    let mut schema = table(grid::GRID);
+    for parameter in grid::GRID {
         let one = schema["properties"][parameter.name].clone();
         let help = one["description"].clone();
         schema["properties"][parameter.name] = json!({

@@ -108,32 +108,12 @@ pub(super) fn data(
             )
         })
         .and_then(|hash| {
-            let limits = limits.as_ref();
-            let within = |what| (domain_span, what);
-            let data = match &names[..] {
-                [x] => file::read(
-                    &path,
-                    &Request {
-                        columns: [Column::Named(x)],
-                        weight: weight.as_deref(),
-                        domain: Limits::domain(limits).map_err(within)?,
-                    },
-                )
-                .map(Data::Line),
-                names => file::read(
-                    &path,
-                    &Request {
-                        columns: [0, 1].map(|axis: usize| Column::Named(&names[axis])),
-                        weight: weight.as_deref(),
-                        domain: Limits::domain(limits).map_err(within)?,
-                    },
-                )
-                .map(Data::Plane),
+            let opened = opened(&path, &names, weight.as_deref(), limits.as_ref());
+            let at = |fault| match fault {
+                Fault::Limits(what) => (domain_span, what),
+                Fault::Data(what) => (spans[0].clone(), what),
             };
-            match data {
-                Ok(data) => Ok((hash, data)),
-                Err(error) => Err((spans[0].clone(), error.to_string())),
-            }
+            Ok((hash, opened.map_err(at)?))
         });
     match read {
         Ok((hash, sample)) => Some(Read {
@@ -156,8 +136,40 @@ pub(super) fn data(
     }
 }
 
+/// What keeps a file from being data.
+enum Fault {
+    Limits(String),
+    Data(String),
+}
+
+/// The data in the columns `names` of a file.
+fn opened(
+    path: &Path,
+    names: &[String],
+    weight: Option<&str>,
+    limits: Option<&Limits>,
+) -> Result<Data, Fault> {
+    let failed = |error: file::FileError| Fault::Data(error.to_string());
+    if let [x] = names {
+        let request = Request {
+            columns: [Column::Named(x)],
+            weight,
+            domain: Limits::domain(limits).map_err(Fault::Limits)?,
+        };
+        return file::read(path, &request).map(Data::Line).map_err(failed);
+    }
+    let request = Request {
+        columns: [0, 1].map(|axis: usize| Column::Named(&names[axis])),
+        weight,
+        domain: Limits::domain(limits).map_err(Fault::Limits)?,
+    };
+    file::read(path, &request).map(Data::Plane).map_err(failed)
+}
+
 /// `[low, high]` on a line; `[[low, high], [low, high]]` or `{ vertices = [[x, y], ..] }` in the plane.
 fn domain(reader: &mut Reader, item: &Item<'_>, axes: usize) -> Option<Limits> {
+    const EXPECTED: &str =
+        "[[low, high], [low, high]], the limits of each axis, or { vertices = [[x, y], ..] }";
     if axes == 1 {
         return limits(reader, item).map(|limits| Limits::Box(vec![limits]));
     }
@@ -191,8 +203,6 @@ fn domain(reader: &mut Reader, item: &Item<'_>, axes: usize) -> Option<Limits> {
         }
         return Some(Limits::Polygon { vertices });
     }
-    const EXPECTED: &str =
-        "[[low, high], [low, high]], the limits of each axis, or { vertices = [[x, y], ..] }";
     let DeValue::Array(list) = item.get_ref() else {
         reader.wrong_type(item, "`domain`", EXPECTED);
         return None;

@@ -9,7 +9,7 @@
 //! | `node`, `value` | tables and values of the expected type |
 //! | `whole` | the experiment from its parts |
 //! | `trial` | building every estimator before the run |
-//! | `source`, `estimator`, `figure`, `claim` | the parts |
+//! | `source`, `data`, `grid`, `estimator`, `figure`, `claim` | the parts |
 //! | `form`, `sweep` | what claims take; several values for one parameter |
 //! | `single` | one estimator or density outside of an experiment |
 //! | `names`, `setting` | what figures and claims refer to |
@@ -25,6 +25,7 @@ pub(crate) mod estimator;
 mod evidence;
 pub(crate) mod figure;
 pub(crate) mod form;
+pub(crate) mod grid;
 mod names;
 mod node;
 mod problem;

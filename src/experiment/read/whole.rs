@@ -2,16 +2,14 @@
 
 use super::estimator::{self, Given, Group};
 use super::names::Names;
-use super::node::{Entry, Item, Reader, Table};
+use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, printable};
 use super::setting::Setting;
 use super::trial::try_building;
-use super::{CELLS, CLAIMS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
-use super::{claim, figure, source, value};
+use super::{CLAIMS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
+use super::{claim, figure, grid, source};
 use crate::experiment::budget::{self, Part};
 use crate::experiment::{Experiment, GridSpec};
-use crate::parameter::{Absent, Kind, Parameter, Value};
-use crate::space::GridError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::de::DeValue;
@@ -111,12 +109,7 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
     let dimensions = sources
         .as_ref()
         .and_then(|sources| Some(sources.first()?.spec.dimensions()));
-    let grid = grid_entry.and_then(|entry| match dimensions {
-        Some(1) => grid(reader, entry.item),
-        Some(dimensions) => grid_in_plane(reader, entry.item, dimensions),
-        // of what kind it should be is not known
-        None => None,
-    });
+    let grid = grid_entry.and_then(|entry| grid::read(reader, entry.item, dimensions));
     Head {
         question,
         notes,
@@ -267,133 +260,6 @@ fn draws(
     }
     sound.then_some(read)
 }
-
-fn grid(reader: &mut Reader, item: &Item<'_>) -> Option<GridSpec> {
-    let table = reader.table(item, "`grid`")?;
-    let read = value::values(reader, GRID, table, "`grid`");
-    if !read.complete {
-        return None;
-    }
-    let spec = GridSpec {
-        low: vec![read.values.number("low")?],
-        high: vec![read.values.number("high")?],
-        cells: vec![read.values.count("cells")? as usize],
-    };
-    if let Err(error) = spec.grid::<1>() {
-        let place = match error {
-            GridError::Bounds { .. } => "high",
-            _ => "cells",
-        };
-        reader.report(Problem::at(read.place(place), error.to_string()));
-        return None;
-    }
-    Some(spec)
-}
-
-/// `low`, `high` and `cells` are lists of a value for each axis, or one for all.
-fn grid_in_plane(reader: &mut Reader, item: &Item<'_>, dimensions: usize) -> Option<GridSpec> {
-    let mut table = reader.table(item, "`grid`")?;
-    let mut read = Vec::new();
-    for parameter in GRID {
-        let entry = match parameter.absent {
-            Absent::Required => table.need(reader, parameter.name, parameter.help),
-            _ => table.take(parameter.name),
-        };
-        read.push(entry.map(|entry| {
-            (
-                entry.item.span(),
-                axes(reader, parameter, entry.item, dimensions),
-            )
-        }));
-    }
-    let allowed: Vec<&str> = GRID.iter().map(|parameter| parameter.name).collect();
-    if table.finish(reader, &allowed) {
-        return None;
-    }
-    let [low, high, cells] = <[_; 3]>::try_from(read).ok()?;
-    let ((_, low), (high_span, high)) = (low?, high?);
-    let (cells_span, cells) = cells.unwrap_or_else(|| {
-        let each = GridSpec::default_cells(dimensions) as f64;
-        (item.span(), Some(vec![each; dimensions]))
-    });
-    let spec = GridSpec {
-        low: low?,
-        high: high?,
-        cells: cells?.into_iter().map(|cells| cells as usize).collect(),
-    };
-    let error = spec.grid::<2>().err().map(|error| error.to_string());
-    let many = (spec.cells.iter().map(|c| *c as f64).product::<f64>() > CELLS as f64)
-        .then(|| format!("a grid may have {CELLS} cells in all"));
-    if let Some(what) = many.or(error) {
-        let ordered = spec
-            .low
-            .iter()
-            .zip(&spec.high)
-            .all(|(low, high)| low < high);
-        let span = if ordered { cells_span } else { high_span };
-        reader.report(Problem::at(span, what));
-        return None;
-    }
-    Some(spec)
-}
-
-/// A value for each axis: a list of them, or one for all.
-fn axes(
-    reader: &mut Reader,
-    parameter: &Parameter,
-    item: &Item<'_>,
-    dimensions: usize,
-) -> Option<Vec<f64>> {
-    let number = |reader: &mut Reader, item: &Item<'_>| {
-        Some(match value::value(reader, parameter, item)? {
-            Value::Count(count) => count as f64,
-            Value::Number(number) => number,
-            _ => return None,
-        })
-    };
-    let DeValue::Array(list) = item.get_ref() else {
-        return number(reader, item).map(|value| vec![value; dimensions]);
-    };
-    if list.len() != dimensions {
-        reader.report(
-            Problem::at(
-                item.span(),
-                format!(
-                    "`{}` has {} values for {dimensions} axes",
-                    parameter.name,
-                    list.len()
-                ),
-            )
-            .allowed(format!("a list of {dimensions}, or one value for all axes")),
-        );
-        return None;
-    }
-    let read: Vec<Option<f64>> = list.iter().map(|item| number(reader, item)).collect();
-    read.into_iter().collect()
-}
-
-/// `grid`.
-pub(crate) const GRID: &[Parameter] = &[
-    Parameter::required(
-        "low",
-        Kind::Real,
-        "the lower end; in the plane of each axis: [x, y]",
-    ),
-    Parameter::required(
-        "high",
-        Kind::Real,
-        "the upper end; in the plane of each axis: [x, y]",
-    ),
-    Parameter::optional(
-        "cells",
-        Kind::Count {
-            least: 1,
-            most: CELLS,
-        },
-        Absent::Number(GridSpec::CELLS as f64),
-        "how many cells; in the plane on each axis: [x, y], 128 by default",
-    ),
-];
 
 fn estimators(reader: &mut Reader, top: &mut Table<'_>) -> (Vec<Group>, Names) {
     let mut names = Names::default();

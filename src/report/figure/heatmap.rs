@@ -75,6 +75,13 @@ struct Layout {
 }
 
 impl Layout {
+    fn ticks(&self) -> (Ticks, Ticks) {
+        (
+            self.x.ticks(self.size.0, true),
+            self.y.ticks(self.size.1, false),
+        )
+    }
+
     fn corner(&self, index: usize) -> Place {
         let (row, column) = (index / self.columns, index % self.columns);
         (
@@ -209,7 +216,7 @@ impl HeatMaps {
             (frame.left, frame.top),
         ];
         canvas.line(&rim, Stroke::new(style::MUTED, 0.7));
-        let (across, down) = self.ticks(layout);
+        let (across, down) = layout.ticks();
         for &(value, _) in &across.major {
             let x = frame.across(value);
             canvas.line(
@@ -242,15 +249,8 @@ impl HeatMaps {
         );
     }
 
-    fn ticks(&self, layout: &Layout) -> (Ticks, Ticks) {
-        (
-            layout.x.ticks(layout.size.0, true),
-            layout.y.ticks(layout.size.1, false),
-        )
-    }
-
     fn titles(&self, canvas: &Canvas, layout: &Layout, bottom: f64) {
-        let (across, down) = self.ticks(layout);
+        let (across, down) = layout.ticks();
         let kind = Type::new(style::LABEL, style::INK, Hang::Middle);
         let shown = self.maps.len().clamp(1, layout.columns) as f64;
         let whole = shown * layout.size.0 + (shown - 1.0) * layout.gap;
