@@ -396,7 +396,7 @@ mod tests {
         ]);
         assert_eq!(both.parameter, "bandwidth-y");
         let oracle = refused(&[("bandwidth", word("amise"))]);
-        assert!(oracle.what.contains("normal-reference"), "{}", oracle.what);
+        assert!(oracle.what.contains("not known"), "{}", oracle.what);
         let engine = refused(&[
             ("bandwidth", Value::Number(1.0)),
             ("engine", word("sorted")),
