@@ -210,7 +210,7 @@ impl Select {
                 "What each selector makes least, over the bandwidth of the {shape} kernel; upright lines mark the bandwidths chosen."
             ),
             x: Axis::new("bandwidth", "").logarithmic().over(low, high),
-            y: Axis::new("criterion", ""),
+            y: Axis::new("criterion, above its least", ""),
             columns: 2,
             shared: false,
             panels,
@@ -220,14 +220,23 @@ impl Select {
     }
 }
 
-/// The values without the heights that would flatten the valley: nothing above the valley by more than twice what the wide end is above it.
+/// How far each value is above the least, without the heights that would flatten the valley: what exceeds four times the median.
 fn readable(y: &[f64]) -> Vec<f64> {
     let (bottom, _) = ends(y);
-    let wide = y.last().copied().unwrap_or(bottom);
-    let cut = bottom + 2.0 * (wide - bottom);
-    y.iter()
-        .map(|&y| if y <= cut { y } else { f64::NAN })
-        .collect()
+    let mut above: Vec<f64> = y.iter().map(|y| y - bottom).collect();
+    let mut sorted: Vec<f64> = above.iter().copied().filter(|y| y.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let cut = 4.0
+        * sorted
+            .get(sorted.len() / 2)
+            .copied()
+            .unwrap_or(f64::INFINITY);
+    for value in &mut above {
+        if value.is_nan() || *value > cut {
+            *value = f64::NAN;
+        }
+    }
+    above
 }
 
 fn ends(y: &[f64]) -> (f64, f64) {

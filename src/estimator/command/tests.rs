@@ -59,10 +59,28 @@ fn a_program_is_told_points_weights_and_targets_in_full() {
 fn answers_arrive_in_both_formats() {
     // gives the targets back
     let text = shell("sed -n '6,$p'", Format::Csv, 20.0);
-    assert_eq!(answer(&text).values, [0.1, 0.300_000_000_000_000_04, 0.5, 0.700_000_000_000_000_1, 0.9]);
+    assert_eq!(
+        answer(&text).values,
+        [
+            0.1,
+            0.300_000_000_000_000_04,
+            0.5,
+            0.700_000_000_000_000_1,
+            0.9
+        ]
+    );
     assert!(answer(&text).failure.is_none());
     let bytes = shell("tail -c 40", Format::Binary, 20.0);
-    assert_eq!(answer(&bytes).values, [0.1, 0.300_000_000_000_000_04, 0.5, 0.700_000_000_000_000_1, 0.9]);
+    assert_eq!(
+        answer(&bytes).values,
+        [
+            0.1,
+            0.300_000_000_000_000_04,
+            0.5,
+            0.700_000_000_000_000_1,
+            0.9
+        ]
+    );
     // one place alone
     assert_eq!(text.fit(&sample()).unwrap().at([0.5]), 0.5);
 }
