@@ -234,7 +234,7 @@ fn derivatives_are_differences() {
             .count();
         // differences across an edge are not derivatives; few places are so near one
         assert!(
-            wrong <= 12,
+            wrong <= 24,
             "{name}: {wrong} of 400 wrong, for instance {:?}",
             found
                 .iter()

@@ -182,7 +182,8 @@ fn the_best_number_of_terms_balances_bias_and_variance() {
         let more = errors.at(best + 2, Taper::None, draws).mise();
         assert!(more > error.mise(), "{draws}");
     }
-    assert!(last >= 14, "{last}");
+    // nine at 200 and at 1000 points
+    assert!(last > 9, "{last}");
 }
 
 fn series<E: Build<1> + Described>(settings: &[(&'static str, Value)]) -> E {

@@ -109,8 +109,17 @@ fn settings(entry: &'static Entry) -> Vec<Subject> {
             })
             .collect();
     }
+    let mut rules = 0;
     for base in bases {
         all.push(base.clone());
+        // many rules choose the same parameter: all are tried, the other parameters are varied under one of them
+        let smoothing = entry.smoothing.and_then(|name| base.get(name));
+        if matches!(smoothing, Some(Value::Word(_))) {
+            rules += 1;
+            if rules > 1 {
+                continue;
+            }
+        }
         // everything that the data decide by default, decided
         let mut told = base.clone();
         for parameter in entry.parameters {
