@@ -384,7 +384,8 @@ fn order(subject: &Subject, data: &Data) -> Option<String> {
     let estimator = subject.plain();
     let here = fit!(estimator, &sample);
     let there = fit!(estimator, &weighted(&points, weights));
-    difference(
+    difference_above(
+        rounding(subject),
         &data.targets,
         &values(&here, &data.targets),
         &values(&there, &data.targets),
@@ -410,7 +411,8 @@ fn zero_weights(subject: &Subject, data: &Data) -> Option<String> {
     let estimator = subject.plain();
     let here = fit!(estimator, &sample);
     let there = fit!(estimator, &weighted(&points, weights));
-    difference(
+    difference_above(
+        rounding(subject),
         &data.targets,
         &values(&here, &data.targets),
         &values(&there, &data.targets),
@@ -436,7 +438,12 @@ fn weight_unit(subject: &Subject, data: &Data) -> Option<String> {
         .iter()
         .map(|v| v / factor)
         .collect();
-    difference(&data.targets, &values(&here, &data.targets), &there)
+    difference_above(
+        rounding(subject),
+        &data.targets,
+        &values(&here, &data.targets),
+        &there,
+    )
 }
 
 /// The channels sum to the total; where estimates add up, each is the estimate of its own weights; a dark channel is dark.
