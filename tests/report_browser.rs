@@ -530,7 +530,7 @@ fn a_run_makes_a_report_whose_slider_moves_and_whose_names_are_inert() {
     };
     let folder = tempfile::tempdir().unwrap();
     let mut experiment = format!(
-        "question = {}\nnotes = {}\nseed = 1\nsource = {{ density = \"bimodal\" }}\ndraws = 60\nreplicates = 4\n\
+        "question = {}\nnotes = {}\nseed = 1\nsource = {{ density = \"bimodal\" }}\ndraws = 60\nreplicates = 12\n\
          grid = {{ low = -4.0, high = 4.0, cells = 80 }}\n",
         quoted(PAYLOADS[0]),
         quoted(PAYLOADS[1]),
