@@ -19,6 +19,7 @@
 //! | [`random`] | named, splittable random streams |
 //! | [`storage`] | files that appear whole or not at all |
 //! | [`parameter`] | what things chosen by name may be told |
+//! | [`document`] | TOML text with every problem located |
 //! | [`space`] | points, domains, grids, fields |
 //! | [`density`] | known truths |
 //! | [`sample`] | weighted points on a domain, and where they come from |
@@ -37,6 +38,7 @@ pub mod accuracy;
 pub mod boundary;
 pub mod cli;
 pub mod density;
+pub mod document;
 pub mod engine;
 pub mod estimator;
 pub mod experiment;

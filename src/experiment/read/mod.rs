@@ -5,8 +5,6 @@
 //!
 //! | file | what it reads |
 //! |---|---|
-//! | `document` | text → tables, problems of the syntax |
-//! | `node`, `value` | tables and values of the expected type |
 //! | `whole` | the experiment from its parts |
 //! | `trial` | building every estimator before the run |
 //! | `source`, `data`, `grid`, `estimator`, `figure`, `claim` | the parts |
@@ -14,40 +12,35 @@
 //! | `single` | one estimator or density outside of an experiment |
 //! | `names`, `setting` | what figures and claims refer to |
 //! | `evidence` | whether a claim can be shown, and could fail |
-//! | `problem` | what is wrong and where; written for people and for scripts |
+//!
+//! Text, tables, values and problems are the business of [`crate::document`].
 //!
 //! Nothing in a file is executed, and the only other files opened are the data files that it names.
 
 pub(crate) mod claim;
 mod data;
-mod document;
 pub(crate) mod estimator;
 mod evidence;
 pub(crate) mod figure;
 pub(crate) mod form;
 pub(crate) mod grid;
 mod names;
-mod node;
-mod problem;
 mod setting;
 mod single;
 pub(crate) mod source;
 pub(crate) mod sweep;
 mod trial;
-mod value;
 pub(crate) mod whole;
 
-pub use problem::{Problem, Problems, Span};
+pub use crate::document::{LARGEST, Problem, Problems, Span};
 
 use super::catalogue::{Builds, Entry};
 use super::{EstimatorSpec, Experiment};
 use crate::density::Truth;
+use crate::document::{node, problem, syntax as document, value};
 use crate::estimator::{Context, Estimator};
-use node::Reader;
 use std::path::Path;
 
-/// The largest experiment file, in bytes.
-pub const LARGEST: usize = 8 << 20;
 /// The largest sample.
 pub const DRAWS: u64 = 1_000_000_000;
 /// The most samples of each size.
@@ -66,7 +59,7 @@ pub const CLAIMS: usize = 1000;
 /// # Errors
 /// With everything that is wrong. [`Problems::is_input_output`] tells a file that could not be read from a wrong one.
 pub fn experiment(path: &Path) -> Result<Experiment, Problems> {
-    let text = document::text(path)?;
+    let text = document::text(path, "experiment")?;
     experiment_text(&text, path)
 }
 
@@ -75,18 +68,9 @@ pub fn experiment(path: &Path) -> Result<Experiment, Problems> {
 /// # Errors
 /// With everything that is wrong.
 pub fn experiment_text(text: &str, origin: &Path) -> Result<Experiment, Problems> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader::default();
-    let mut broken = Vec::new();
-    let readable = document::close_brackets(text, &mut reader, &mut broken);
-    let document = document::parse(&readable, &mut reader, &mut broken);
-    let experiment = whole::experiment(&mut reader, &document, text, origin);
-    let mut problems = reader.problems;
-    document::sift(&mut problems, text, &broken);
-    match experiment {
-        Some(experiment) if problems.is_empty() => Ok(experiment),
-        _ => Err(Problems::new(&origin.display().to_string(), text, problems)),
-    }
+    crate::document::read(text, origin, |reader, document, text| {
+        whole::experiment(reader, document, text, origin)
+    })
 }
 
 /// Reads one estimator from an inline table: `{ kernel = { bandwidth = 0.3 } }`, or without the outer braces. No sweeps.

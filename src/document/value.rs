@@ -7,30 +7,30 @@ use std::collections::BTreeMap;
 use toml::de::DeValue;
 
 /// Checked values and where they stand.
-pub(super) struct Located {
-    pub(super) values: Values,
+pub(crate) struct Located {
+    pub(crate) values: Values,
     /// Where each given value stands; parameters left to their defaults are absent.
-    pub(super) spans: BTreeMap<&'static str, Span>,
+    pub(crate) spans: BTreeMap<&'static str, Span>,
     /// Where the whole table stands.
-    pub(super) span: Span,
+    pub(crate) span: Span,
     /// Whether all is well; if not, what is wrong has been reported.
-    pub(super) complete: bool,
+    pub(crate) complete: bool,
 }
 
 impl Located {
     /// Where a parameter stands, or the table where it was not given.
-    pub(super) fn place(&self, name: &str) -> Span {
+    pub(crate) fn place(&self, name: &str) -> Span {
         self.spans.get(name).unwrap_or(&self.span).clone()
     }
 
     /// Whether the file gives the parameter.
-    pub(super) fn given(&self, name: &str) -> bool {
+    pub(crate) fn given(&self, name: &str) -> bool {
         self.spans.contains_key(name)
     }
 }
 
 /// Reads the whole table as `parameters` declare.
-pub(super) fn values(
+pub(crate) fn values(
     reader: &mut Reader,
     parameters: &'static [Parameter],
     mut table: Table<'_>,
@@ -44,7 +44,7 @@ pub(super) fn values(
 }
 
 /// The same for entries already taken from the table.
-pub(super) fn located(
+pub(crate) fn located(
     reader: &mut Reader,
     parameters: &'static [Parameter],
     entries: Vec<(&'static Parameter, Option<Entry<'_>>)>,
@@ -97,7 +97,7 @@ pub(super) fn located(
 }
 
 /// One value of a parameter.
-pub(super) fn value(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>) -> Option<Value> {
+pub(crate) fn value(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>) -> Option<Value> {
     let what = format!("`{}`", parameter.name);
     match parameter.kind {
         Kind::Real => reader.real(item, &what).map(Value::Number),
@@ -167,7 +167,7 @@ pub(super) fn value(reader: &mut Reader, parameter: &Parameter, item: &Item<'_>)
 }
 
 /// A text or a list of at least one text, each with its place.
-pub(super) fn texts(
+pub(crate) fn texts(
     reader: &mut Reader,
     item: &Item<'_>,
     what: &str,

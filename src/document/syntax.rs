@@ -13,11 +13,11 @@ use toml::de::DeTable;
 /// Longer texts are read without recovery from syntax errors: each byte can be one.
 const RECOVERABLE: usize = 1 << 18;
 
-/// The text of the file at `path`; `-` is the standard input.
-pub(super) fn text(path: &Path) -> Result<String, Problems> {
+/// The text of the file at `path`, which is to hold a `kind` such as "experiment"; `-` is the standard input.
+pub(crate) fn text(path: &Path, kind: &str) -> Result<String, Problems> {
     let origin = path.display().to_string();
     let unreadable = |error: std::io::Error| {
-        Problems::unreadable(&origin, format!("cannot read the experiment: {error}"))
+        Problems::unreadable(&origin, format!("cannot read the {kind}: {error}"))
     };
     let mut bytes = Vec::new();
     let most = LARGEST as u64 + 1;
@@ -28,10 +28,15 @@ pub(super) fn text(path: &Path) -> Result<String, Problems> {
     }
     .map_err(unreadable)?;
     if bytes.len() > LARGEST {
+        let article = if kind.starts_with(['a', 'e', 'i', 'o', 'u']) {
+            "an"
+        } else {
+            "a"
+        };
         return Err(Problems::whole(
             &origin,
             format!(
-                "an experiment file has at most {} MiB; this one is larger",
+                "{article} {kind} file has at most {} MiB; this one is larger",
                 LARGEST >> 20
             ),
         ));
@@ -58,7 +63,7 @@ pub(super) fn text(path: &Path) -> Result<String, Problems> {
 }
 
 /// The text with the lines blanked where a bracket opens that is never closed: it would swallow the rest of the file. Places stay where they are.
-pub(super) fn close_brackets<'t>(
+pub(crate) fn close_brackets<'t>(
     text: &'t str,
     reader: &mut Reader,
     broken: &mut Vec<Span>,
@@ -143,7 +148,7 @@ fn until(bytes: &[u8], end: &[u8]) -> usize {
 }
 
 /// The document as far as it can be read; the places where it is broken are added to `broken`.
-pub(super) fn parse<'t>(
+pub(crate) fn parse<'t>(
     text: &'t str,
     reader: &mut Reader,
     broken: &mut Vec<Span>,
@@ -212,7 +217,7 @@ fn line_of(text: &str, at: usize) -> Span {
 
 /// Where the syntax is broken, drops what may only follow from that: problems on broken lines beside the syntax's own, which come first, and
 /// things missed anywhere.
-pub(super) fn sift(problems: &mut Vec<Problem>, text: &str, broken: &[Span]) {
+pub(crate) fn sift(problems: &mut Vec<Problem>, text: &str, broken: &[Span]) {
     if broken.is_empty() {
         return;
     }

@@ -8,41 +8,41 @@ use toml::de::{DeTable, DeValue};
 
 /// Gathers what is wrong while reading goes on.
 #[derive(Default)]
-pub(super) struct Reader {
-    pub(super) problems: Vec<Problem>,
+pub(crate) struct Reader {
+    pub(crate) problems: Vec<Problem>,
 }
 
 /// A value of the document.
-pub(super) type Item<'d> = Spanned<DeValue<'d>>;
+pub(crate) type Item<'d> = Spanned<DeValue<'d>>;
 
 /// A key with its value.
 #[derive(Clone, Copy)]
-pub(super) struct Entry<'d> {
+pub(crate) struct Entry<'d> {
     key: &'d Spanned<std::borrow::Cow<'d, str>>,
-    pub(super) item: &'d Item<'d>,
+    pub(crate) item: &'d Item<'d>,
 }
 
 impl<'d> Entry<'d> {
-    pub(super) fn key(&self) -> &'d str {
+    pub(crate) fn key(&self) -> &'d str {
         self.key.get_ref()
     }
 
-    pub(super) fn key_span(&self) -> Span {
+    pub(crate) fn key_span(&self) -> Span {
         self.key.span()
     }
 }
 
 /// A table being read: each key is taken once, and what is left over is unknown.
-pub(super) struct Table<'d> {
+pub(crate) struct Table<'d> {
     /// Where to point when something is missing.
-    pub(super) span: Span,
+    pub(crate) span: Span,
     /// What the table describes, for messages: "an estimator".
     what: String,
     left: Vec<Entry<'d>>,
 }
 
 impl<'d> Table<'d> {
-    pub(super) fn new(table: &'d DeTable<'d>, span: Span, what: impl Into<String>) -> Self {
+    pub(crate) fn new(table: &'d DeTable<'d>, span: Span, what: impl Into<String>) -> Self {
         let mut left: Vec<Entry<'d>> = table
             .iter()
             .map(|(key, item)| Entry { key, item })
@@ -56,13 +56,13 @@ impl<'d> Table<'d> {
     }
 
     /// The entry of that key, which is then known.
-    pub(super) fn take(&mut self, key: &str) -> Option<Entry<'d>> {
+    pub(crate) fn take(&mut self, key: &str) -> Option<Entry<'d>> {
         let at = self.left.iter().position(|entry| entry.key() == key)?;
         Some(self.left.remove(at))
     }
 
     /// The same, reporting if it is missing.
-    pub(super) fn need(
+    pub(crate) fn need(
         &mut self,
         reader: &mut Reader,
         key: &str,
@@ -86,17 +86,17 @@ impl<'d> Table<'d> {
     }
 
     /// The keys not taken yet.
-    pub(super) fn left(&self) -> &[Entry<'d>] {
+    pub(crate) fn left(&self) -> &[Entry<'d>] {
         &self.left
     }
 
     /// Reports the keys left over; says whether there were any.
-    pub(super) fn finish(self, reader: &mut Reader, allowed: &[&str]) -> bool {
+    pub(crate) fn finish(self, reader: &mut Reader, allowed: &[&str]) -> bool {
         self.finish_with(reader, allowed, |_| None)
     }
 
     /// The same, with advice for some keys.
-    pub(super) fn finish_with(
+    pub(crate) fn finish_with(
         self,
         reader: &mut Reader,
         allowed: &[&str],
@@ -121,13 +121,13 @@ impl<'d> Table<'d> {
 
 /// A number as it was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Number {
+pub(crate) enum Number {
     Whole(i128),
     Real(f64),
 }
 
 impl Number {
-    pub(super) fn real(self) -> f64 {
+    pub(crate) fn real(self) -> f64 {
         match self {
             Self::Whole(x) => x as f64,
             Self::Real(x) => x,
@@ -136,12 +136,12 @@ impl Number {
 }
 
 impl Reader {
-    pub(super) fn report(&mut self, problem: Problem) {
+    pub(crate) fn report(&mut self, problem: Problem) {
         self.problems.push(problem);
     }
 
     /// Reports a value of the wrong type.
-    pub(super) fn wrong_type(&mut self, item: &Item<'_>, what: &str, expected: &str) {
+    pub(crate) fn wrong_type(&mut self, item: &Item<'_>, what: &str, expected: &str) {
         self.report(
             Problem::at(
                 item.span(),
@@ -151,7 +151,7 @@ impl Reader {
         );
     }
 
-    pub(super) fn text<'d>(&mut self, item: &'d Item<'d>, what: &str) -> Option<&'d str> {
+    pub(crate) fn text<'d>(&mut self, item: &'d Item<'d>, what: &str) -> Option<&'d str> {
         let text = item.get_ref().as_str();
         if text.is_none() {
             self.wrong_type(item, what, "a text in quotes");
@@ -159,7 +159,7 @@ impl Reader {
         text
     }
 
-    pub(super) fn table<'d>(&mut self, item: &'d Item<'d>, what: &str) -> Option<Table<'d>> {
+    pub(crate) fn table<'d>(&mut self, item: &'d Item<'d>, what: &str) -> Option<Table<'d>> {
         if let DeValue::Table(table) = item.get_ref() {
             return Some(Table::new(table, item.span(), what));
         }
@@ -168,7 +168,7 @@ impl Reader {
     }
 
     /// The tables of `[[key]]`, or of a list of inline tables.
-    pub(super) fn tables<'d>(&mut self, entry: Entry<'d>, what: &str) -> Vec<Table<'d>> {
+    pub(crate) fn tables<'d>(&mut self, entry: Entry<'d>, what: &str) -> Vec<Table<'d>> {
         let DeValue::Array(array) = entry.item.get_ref() else {
             let key = entry.key();
             self.report(
@@ -190,7 +190,7 @@ impl Reader {
     }
 
     /// A number of any size that the file may hold; `None` and a report if it is none.
-    pub(super) fn number(&mut self, item: &Item<'_>, what: &str, expected: &str) -> Option<Number> {
+    pub(crate) fn number(&mut self, item: &Item<'_>, what: &str, expected: &str) -> Option<Number> {
         match item.get_ref() {
             DeValue::Integer(integer) => {
                 if let Ok(x) = i128::from_str_radix(integer.as_str(), integer.radix()) {
@@ -230,7 +230,7 @@ impl Reader {
     }
 
     /// A whole number from `least` to `most`.
-    pub(super) fn count(
+    pub(crate) fn count(
         &mut self,
         item: &Item<'_>,
         what: &str,
@@ -263,7 +263,7 @@ impl Reader {
     }
 
     /// A finite number.
-    pub(super) fn real(&mut self, item: &Item<'_>, what: &str) -> Option<f64> {
+    pub(crate) fn real(&mut self, item: &Item<'_>, what: &str) -> Option<f64> {
         let x = self.number(item, what, "a finite number")?.real();
         if x.is_finite() {
             return Some(x);
@@ -279,7 +279,7 @@ impl Reader {
     }
 
     /// A short text that is used as a name in tables, legends and claims.
-    pub(super) fn name(&mut self, item: &Item<'_>, what: &str) -> Option<String> {
+    pub(crate) fn name(&mut self, item: &Item<'_>, what: &str) -> Option<String> {
         const MOST: usize = 80;
         let text = self.text(item, what)?;
         let fault = if text.trim().is_empty() {
@@ -306,7 +306,7 @@ impl Reader {
 }
 
 /// What a value is, with the value where it is short.
-pub(super) fn found(item: &Item<'_>) -> String {
+pub(crate) fn found(item: &Item<'_>) -> String {
     match item.get_ref() {
         DeValue::String(text) => format!("the text \"{}\"", printable(text)),
         DeValue::Integer(x) => format!("the integer {}", printable(&x.to_string())),
@@ -321,7 +321,7 @@ pub(super) fn found(item: &Item<'_>) -> String {
 
 impl Reader {
     /// A text of one paragraph, not empty.
-    pub(super) fn words(&mut self, item: &Item<'_>, what: &str, most: usize) -> Option<String> {
+    pub(crate) fn words(&mut self, item: &Item<'_>, what: &str, most: usize) -> Option<String> {
         let text = self.prose(item, what, most)?;
         if text.is_empty() {
             self.report(Problem::at(item.span(), format!("{what} is empty")));
@@ -331,7 +331,7 @@ impl Reader {
     }
 
     /// A text of any number of paragraphs, perhaps empty.
-    pub(super) fn prose(&mut self, item: &Item<'_>, what: &str, most: usize) -> Option<String> {
+    pub(crate) fn prose(&mut self, item: &Item<'_>, what: &str, most: usize) -> Option<String> {
         let text = self.text(item, what)?;
         let length = text.chars().count();
         if length > most {

@@ -27,12 +27,12 @@ pub struct Problem {
     /// What to do, where the list of what is allowed does not say it.
     pub help: Option<String>,
     /// Whether the problem might vanish when others are mended: something is missed that may only have been misread.
-    pub(super) doubtful: bool,
+    pub(crate) doubtful: bool,
 }
 
 impl Problem {
     /// A problem at `span`; the line and the column are found when the problems are gathered.
-    pub(super) fn at(span: Span, message: impl Into<String>) -> Self {
+    pub(crate) fn at(span: Span, message: impl Into<String>) -> Self {
         Self {
             span,
             line: 0,
@@ -46,28 +46,28 @@ impl Problem {
         }
     }
 
-    pub(super) fn allowed(self, allowed: impl fmt::Display) -> Self {
+    pub(crate) fn allowed(self, allowed: impl fmt::Display) -> Self {
         Self {
             allowed: Some(allowed.to_string()),
             ..self
         }
     }
 
-    pub(super) fn suggest(self, suggestion: Option<impl Into<String>>) -> Self {
+    pub(crate) fn suggest(self, suggestion: Option<impl Into<String>>) -> Self {
         Self {
             suggestion: suggestion.map(Into::into),
             ..self
         }
     }
 
-    pub(super) fn help(self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self {
             help: Some(help.into()),
             ..self
         }
     }
 
-    pub(super) fn doubtful(self) -> Self {
+    pub(crate) fn doubtful(self) -> Self {
         Self {
             doubtful: true,
             ..self
@@ -91,7 +91,7 @@ const LINE_SHOWN: usize = 160;
 
 impl Problems {
     /// Locates `list` in `text`, drops repetitions and sorts by place.
-    pub(super) fn new(origin: &str, text: &str, mut list: Vec<Problem>) -> Self {
+    pub(crate) fn new(origin: &str, text: &str, mut list: Vec<Problem>) -> Self {
         list.sort_by_key(|problem| problem.span.start);
         let mut kept: Vec<Problem> = Vec::with_capacity(list.len());
         let (mut line, mut line_start, mut seen) = (1, 0, 0);
@@ -127,7 +127,7 @@ impl Problems {
     }
 
     /// The file itself could not be had.
-    pub(super) fn unreadable(origin: &str, message: impl Into<String>) -> Self {
+    pub(crate) fn unreadable(origin: &str, message: impl Into<String>) -> Self {
         Self {
             origin: origin.to_owned(),
             text: String::new(),
@@ -137,7 +137,7 @@ impl Problems {
     }
 
     /// The file was had, but is not a text that could be read.
-    pub(super) fn whole(origin: &str, message: impl Into<String>) -> Self {
+    pub(crate) fn whole(origin: &str, message: impl Into<String>) -> Self {
         Self {
             input_output: false,
             ..Self::unreadable(origin, message)
@@ -274,7 +274,7 @@ fn ceil_boundary(text: &str, at: usize) -> usize {
 }
 
 /// `text` without control characters and not too long, for messages.
-pub(super) fn printable(text: &str) -> String {
+pub(crate) fn printable(text: &str) -> String {
     const MOST: usize = 80;
     let mut out: String = text
         .chars()
@@ -293,7 +293,7 @@ pub(super) fn printable(text: &str) -> String {
 }
 
 /// Control characters, and those that turn the direction of writing or have no width.
-pub(super) fn is_hidden(c: char) -> bool {
+pub(crate) fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
 }
