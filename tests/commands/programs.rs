@@ -1,10 +1,6 @@
 //! Programs as estimators: what `lab` starts, when, and what it does when they fail.
-#![allow(clippy::unwrap_used)]
-#![cfg(unix)]
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 /// An experiment with a good program, a bad one and an estimator of our own.
 const FILE: &str = r#"

@@ -1,11 +1,8 @@
 //! Whatever is wrong with an experiment file, `lab check` and `lab run` say it before anything is computed: where, what is allowed, what was
 //! probably meant. Both give the same messages, and nothing is left behind.
-#![allow(clippy::unwrap_used)]
 #![allow(clippy::too_many_lines, reason = "tables, one row a case")]
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 /// A legal experiment; the rows below spoil one line of it.
 const LEGAL: [&str; 7] = [
