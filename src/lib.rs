@@ -31,6 +31,7 @@
 //! | [`boundary`] | walls |
 //! | [`estimator`] | sample → estimate |
 //! | [`accuracy`] | how wrong: distances between fields |
+//! | [`light`] | photons in rooms, and the hits that they leave |
 //! | [`experiment`] | question → table |
 //! | [`report`] | table → figures and page |
 //! | [`cli`] | one file per command |
@@ -43,6 +44,7 @@ pub mod engine;
 pub mod estimator;
 pub mod experiment;
 pub mod kernel;
+pub mod light;
 pub mod memory;
 pub mod neighbour;
 pub mod numeric;

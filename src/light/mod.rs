@@ -1,0 +1,17 @@
+//! Light in rooms: photons walk at random and leave hits on surfaces, which are weighted points like any others.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`vector`] | places, directions, rays, frames |
+//! | [`spectrum`] | numbers for colours |
+//! | [`material`] | what a surface does to light |
+//! | [`emission`] | how a surface shines |
+//! | [`ray`] | what rays meet |
+//! | [`scene`] | surfaces in space, read from TOML |
+
+pub mod emission;
+pub mod material;
+pub mod ray;
+pub mod scene;
+pub mod spectrum;
+pub mod vector;
