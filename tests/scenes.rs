@@ -22,7 +22,7 @@ fn every_shipped_scene_is_a_scene() {
     let mut names: Vec<String> = std::fs::read_dir(folder())
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .filter(|name| name.ends_with(".toml"))
+        .filter(|name| Path::new(name).extension() == Some("toml".as_ref()))
         .collect();
     names.sort();
     assert!(names.len() >= 9, "{names:?}");
@@ -130,110 +130,112 @@ quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }
 emission = { radiance = 1.0 }
 ";
 
+/// What is changed, into what, at which line the fault is told, and what is told.
+const FAULTS: &[[&str; 4]] = &[
+    ["u = [1, 0, 0]", "u = [0, 0, 0]", ":7:", "enclose no area"],
+    ["u = [1, 0, 0]", "u = [0, 0, 2]", ":7:", "enclose no area"],
+    ["u = [1, 0, 0]", "u = [nan, 0, 0]", ":7:", "finite"],
+    ["u = [1, 0, 0]", "u = [1, 0]", ":7:", "three numbers"],
+    [
+        "reflectance = 0.8",
+        "reflectance = 1.2",
+        ":2:",
+        "from 0 to 1",
+    ],
+    [
+        "reflectance = 0.8",
+        "reflectance = nan",
+        ":2:",
+        "from 0 to 1",
+    ],
+    [
+        "reflectance = 0.8",
+        "reflectance = [0.1, 0.2]",
+        ":2:",
+        "2 numbers",
+    ],
+    [
+        "reflectance = 0.8",
+        "reflectance = { file = \"nowhere.csv\", column = \"white\" }",
+        ":2:",
+        "nowhere.csv",
+    ],
+    [
+        "reflectance",
+        "reflectence",
+        ":2:",
+        "did you mean `reflectance`",
+    ],
+    [
+        "lambertian",
+        "lambertain",
+        ":2:",
+        "did you mean `lambertian`",
+    ],
+    [
+        "material = \"white\"",
+        "material = \"whit\"",
+        ":6:",
+        "did you mean `white`",
+    ],
+    ["emission = { radiance = 1.0 }", "", "", "no surface emits"],
+    ["radiance = 1.0", "radiance = 0.0", "", "no surface emits"],
+    [
+        "radiance = 1.0",
+        "radiance = -1.0",
+        ":8:",
+        "`radiance` must be",
+    ],
+    [
+        "radiance = 1.0",
+        "radiance = inf",
+        ":8:",
+        "`radiance` must be",
+    ],
+    [
+        "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
+        "quad = { corners = [[0,0,0],[1,0,0],[1,1,0],[0,1,0.1]] }",
+        ":7:",
+        "two triangles",
+    ],
+    [
+        "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
+        "quad = { corners = [[0,0,0],[1,0,0],[0.1,0.1,0],[0,1,0]] }",
+        ":7:",
+        "points inward",
+    ],
+    [
+        "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
+        "mesh = { file = \"nowhere.obj\" }",
+        ":7:",
+        "nowhere.obj",
+    ],
+    [
+        "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
+        "sphere = { centre = [0, 0, 0], radius = 0 }",
+        ":7:",
+        "above 0",
+    ],
+    ["name = \"floor\"", "", ":4:", "needs `name`"],
+    [
+        "emission = {",
+        "facing = [1, 0, 0]\nemission = {",
+        ":8:",
+        "lies in the plane",
+    ],
+];
+
 #[test]
 fn faults_are_told_with_their_place() {
     assert!(scene::read::scene_text(GOOD, Path::new("room.toml")).is_ok());
-    let faults = [
-        ("u = [1, 0, 0]", "u = [0, 0, 0]", ":7:", "enclose no area"),
-        ("u = [1, 0, 0]", "u = [0, 0, 2]", ":7:", "enclose no area"),
-        ("u = [1, 0, 0]", "u = [nan, 0, 0]", ":7:", "finite"),
-        ("u = [1, 0, 0]", "u = [1, 0]", ":7:", "three numbers"),
-        (
-            "reflectance = 0.8",
-            "reflectance = 1.2",
-            ":2:",
-            "from 0 to 1",
-        ),
-        (
-            "reflectance = 0.8",
-            "reflectance = nan",
-            ":2:",
-            "from 0 to 1",
-        ),
-        (
-            "reflectance = 0.8",
-            "reflectance = [0.1, 0.2]",
-            ":2:",
-            "2 numbers",
-        ),
-        (
-            "reflectance = 0.8",
-            "reflectance = { file = \"nowhere.csv\", column = \"white\" }",
-            ":2:",
-            "nowhere.csv",
-        ),
-        (
-            "reflectance",
-            "reflectence",
-            ":2:",
-            "did you mean `reflectance`",
-        ),
-        (
-            "lambertian",
-            "lambertain",
-            ":2:",
-            "did you mean `lambertian`",
-        ),
-        (
-            "material = \"white\"",
-            "material = \"whit\"",
-            ":6:",
-            "did you mean `white`",
-        ),
-        ("emission = { radiance = 1.0 }", "", "", "no surface emits"),
-        ("radiance = 1.0", "radiance = 0.0", "", "no surface emits"),
-        (
-            "radiance = 1.0",
-            "radiance = -1.0",
-            ":8:",
-            "`radiance` must be",
-        ),
-        (
-            "radiance = 1.0",
-            "radiance = inf",
-            ":8:",
-            "`radiance` must be",
-        ),
-        (
-            "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
-            "quad = { corners = [[0,0,0],[1,0,0],[1,1,0],[0,1,0.1]] }",
-            ":7:",
-            "two triangles",
-        ),
-        (
-            "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
-            "quad = { corners = [[0,0,0],[1,0,0],[0.1,0.1,0],[0,1,0]] }",
-            ":7:",
-            "points inward",
-        ),
-        (
-            "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
-            "mesh = { file = \"nowhere.obj\" }",
-            ":7:",
-            "nowhere.obj",
-        ),
-        (
-            "quad = { origin = [0, 0, 0], u = [1, 0, 0], v = [0, 0, 1] }",
-            "sphere = { centre = [0, 0, 0], radius = 0 }",
-            ":7:",
-            "above 0",
-        ),
-        ("name = \"floor\"", "", ":4:", "needs `name`"),
-        (
-            "emission = {",
-            "facing = [1, 0, 0]\nemission = {",
-            ":8:",
-            "lies in the plane",
-        ),
-    ];
-    for (what, fault, place, message) in faults {
-        assert!(GOOD.contains(what), "{what}");
-        let told = told(&GOOD.replacen(what, fault, 1));
+    for [what, fault, place, message] in FAULTS {
+        assert!(GOOD.contains(*what), "{what}");
+        let told = told(&GOOD.replacen(*what, fault, 1));
         assert!(
             told.contains(&format!("room.toml{place}")),
             "{fault}:\n{told}"
         );
-        assert!(told.contains(message), "{fault}:\n{told}");
+        assert!(told.contains(*message), "{fault}:\n{told}");
     }
     assert!(told("").contains("`surface`"));
     let twice = format!("{GOOD}{}", &GOOD[GOOD.find("[[").unwrap()..]);
