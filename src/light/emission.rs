@@ -1,6 +1,7 @@
 //! Surfaces that shine.
 
-use super::spectrum::Spectrum;
+use super::cie::VISIBLE;
+use super::spectrum::{Spectrum, Table};
 use std::f64::consts::PI;
 
 /// Diffuse emission: the same radiance in all directions on the front of a surface.
@@ -14,5 +15,92 @@ impl Emission {
     /// Power per area of each of red, green and blue: π × radiance.
     pub fn exitance(&self) -> [f64; 3] {
         self.radiance.rgb().map(|radiance| PI * radiance)
+    }
+
+    /// Power per area over all wavelengths: π ∫ radiance; a flat spectrum shines where something is seen.
+    pub fn spectral_exitance(&self) -> f64 {
+        PI * self.table().integral()
+    }
+
+    /// The radiance over wavelengths.
+    pub fn table(&self) -> Table {
+        match &self.radiance {
+            Spectrum::Table(table) => table.clone(),
+            other => {
+                let level = other.at(VISIBLE[0]);
+                Table::new(VISIBLE.map(|wavelength| [wavelength, level]).to_vec())
+                    .expect("two wavelengths in order")
+            }
+        }
+    }
+}
+
+/// Draws wavelengths with density proportional to a table.
+#[derive(Clone, Debug)]
+pub struct Wavelengths {
+    table: Table,
+    /// The integral up to each row.
+    cumulative: Vec<f64>,
+}
+
+impl Wavelengths {
+    /// A drawer of wavelengths of a table that is not black.
+    pub fn new(table: Table) -> Self {
+        let mut sum = 0.0;
+        let mut cumulative = vec![0.0];
+        for pair in table.rows().windows(2) {
+            sum += 0.5 * (pair[0][1] + pair[1][1]) * (pair[1][0] - pair[0][0]);
+            cumulative.push(sum);
+        }
+        Self { table, cumulative }
+    }
+
+    /// The wavelength below which a share `u` of the power lies: the inverse of a piecewise quadratic. O(log rows).
+    pub fn at(&self, u: f64) -> f64 {
+        let rows = self.table.rows();
+        let wanted = u * self.cumulative[rows.len() - 1];
+        let row = self
+            .cumulative
+            .partition_point(|&sum| sum <= wanted)
+            .clamp(1, rows.len() - 1)
+            - 1;
+        let ([x0, y0], [x1, y1]) = (rows[row], rows[row + 1]);
+        let width = x1 - x0;
+        let rest = (wanted - self.cumulative[row]).max(0.0);
+        // y0 t + (y1 − y0) t² / (2 width) = rest, by the root without cancellation
+        let root = (y0 * y0 + 2.0 * rest * (y1 - y0) / width).max(0.0).sqrt();
+        let share = if y0 + root > 0.0 {
+            2.0 * rest / (y0 + root)
+        } else {
+            0.0
+        };
+        x0 + share.clamp(0.0, width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Wavelengths;
+    use crate::light::spectrum::Table;
+
+    #[test]
+    fn wavelengths_invert_the_integral() {
+        let rows = vec![[400.0, 0.0], [500.0, 8.0], [600.0, 15.6], [700.0, 0.0]];
+        let table = Table::new(rows).expect("legal");
+        let drawer = Wavelengths::new(table.clone());
+        for k in 0..=1000 {
+            let u = f64::from(k) / 1000.0;
+            let wavelength = drawer.at(u);
+            // the integral up to there, finely
+            let steps = 20_000;
+            let step = (wavelength - 400.0) / f64::from(steps);
+            let below: f64 = (0..steps)
+                .map(|i| table.at(400.0 + (f64::from(i) + 0.5) * step) * step)
+                .sum();
+            assert!(
+                (below / table.integral() - u).abs() < 1e-6,
+                "{u} {wavelength}"
+            );
+        }
     }
 }

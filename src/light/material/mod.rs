@@ -13,9 +13,11 @@ mod dielectric;
 mod lambertian;
 mod mirror;
 mod phong;
+#[cfg(test)]
+mod tests;
 
-pub use dielectric::Dielectric;
-pub use lambertian::Lambertian;
+pub use dielectric::{Dielectric, fresnel};
+pub use lambertian::{Lambertian, cosine_direction};
 pub use mirror::Mirror;
 pub use phong::Phong;
 

@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 /// Reflects a lobe around the mirror direction.
 ///
 /// The modified Phong model: f = ρ (n + 2)/(2π) cosⁿ α, where α is the angle to the mirror direction. Directions are drawn with density
-/// (n + 1)/(2π) cosⁿ α, so that each carries ρ cos θ (n + 2)/(n + 1), at most ρ (n + 2)/(n + 1) and on the average at most ρ: what would go
-/// below the surface is absorbed, so that at grazing angles less than ρ is reflected. [Lafortune & Willems 1994, "Using the modified Phong reflectance model for physically based rendering"]
+/// (n + 1)/(2π) cosⁿ α, so that each carries ρ cos θ (n + 2)/(n + 1), which is at most 1 for the reflectances that scenes may have,
+/// ρ ≤ (n + 1)/(n + 2). What would go below the surface is absorbed, so that at grazing angles less than ρ is reflected. [Lafortune & Willems 1994, "Using the modified Phong reflectance model for physically based rendering"]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phong {
     /// The share of light that is reflected at normal incidence, at most.

@@ -5,14 +5,19 @@
 //! | `facets` | flat pieces, all tried at once: the definition |
 //! | `tree` | flat pieces by a hierarchy of boxes: the same answer, for many |
 //! | `spheres` | spheres, one after the other |
+// code compiled for wide registers must end up inside the function that `pulp` compiles for them
+#![allow(clippy::inline_always)]
 
 mod facets;
 mod spheres;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 use super::scene::{Facet, Sphere};
 use super::vector::Ray;
 use facets::Facets;
+use pulp::{Arch, Simd, WithSimd};
 use tree::Tree;
 
 /// The nearest thing on a ray.
@@ -25,7 +30,7 @@ pub struct Found {
 }
 
 /// With no more facets than these, trying all is cheaper than the hierarchy.
-const FEW: usize = 32;
+const FEW: usize = 48;
 
 /// Finds the nearest thing on a ray.
 #[derive(Debug)]
@@ -33,6 +38,7 @@ pub struct Caster {
     count: usize,
     flat: Flat,
     spheres: Vec<Sphere>,
+    arch: Arch,
 }
 
 #[derive(Debug)]
@@ -44,23 +50,25 @@ enum Flat {
 impl Caster {
     /// For these facets and spheres. O(facets log facets).
     pub fn new(facets: &[Facet], spheres: Vec<Sphere>) -> Self {
-        Self {
-            count: facets.len(),
-            flat: if facets.len() <= FEW {
-                Flat::All(Facets::new(facets))
-            } else {
-                Flat::Tree(Tree::new(facets))
-            },
-            spheres,
-        }
+        let flat = if facets.len() <= FEW {
+            Flat::All(Facets::new(facets))
+        } else {
+            Flat::Tree(Tree::new(facets))
+        };
+        Self::with(flat, facets.len(), spheres)
     }
 
     /// The same, trying every facet: what the hierarchy is judged by.
     pub fn exhaustive(facets: &[Facet], spheres: Vec<Sphere>) -> Self {
+        Self::with(Flat::All(Facets::new(facets)), facets.len(), spheres)
+    }
+
+    fn with(flat: Flat, count: usize, spheres: Vec<Sphere>) -> Self {
         Self {
-            count: facets.len(),
-            flat: Flat::All(Facets::new(facets)),
+            count,
+            flat,
             spheres,
+            arch: Arch::new(),
         }
     }
 
@@ -70,16 +78,40 @@ impl Caster {
     }
 
     /// The nearest thing that the ray meets before `limit`, but for the one it leaves.
-    #[inline]
     pub fn nearest(&self, ray: &Ray, limit: f64) -> Option<Found> {
+        self.arch.dispatch(Query {
+            caster: self,
+            ray,
+            limit,
+        })
+    }
+
+    /// The same inside a function that is compiled for wide registers.
+    #[inline(always)]
+    pub fn nearest_in<S: Simd>(&self, simd: S, ray: &Ray, limit: f64) -> Option<Found> {
         let flat = match &self.flat {
-            Flat::All(facets) => facets.nearest(ray, limit),
-            Flat::Tree(tree) => tree.nearest(ray, limit),
+            Flat::All(facets) => facets.nearest(simd, ray, limit),
+            Flat::Tree(tree) => tree.nearest(simd, ray, limit),
         };
         if self.spheres.is_empty() {
             return flat;
         }
         let limit = flat.map_or(limit, |found| found.distance);
         spheres::nearest(&self.spheres, self.count as u32, ray, limit).or(flat)
+    }
+}
+
+struct Query<'q> {
+    caster: &'q Caster,
+    ray: &'q Ray,
+    limit: f64,
+}
+
+impl WithSimd for Query<'_> {
+    type Output = Option<Found>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.caster.nearest_in(simd, self.ray, self.limit)
     }
 }

@@ -16,7 +16,7 @@ pub(super) fn material(
 ) -> Option<Material> {
     let found = kind(reader, &mut table, "a material", &KINDS);
     let unknown = table.finish(reader, &KINDS);
-    let (name, mut inner, _) = found?;
+    let (name, mut inner, span) = found?;
     let mut number = |reader: &mut Reader, key: &str, help: &str, least: f64, most: f64| {
         let entry = inner.need(reader, key, help)?;
         let allowed = format!("a number from {least} to {most}");
@@ -58,6 +58,21 @@ pub(super) fn material(
         return None;
     }
     let reflectance = reflectance?;
+    if let Some(Some(n)) = exponent
+        && reflectance.largest() > (n + 1.0) / (n + 2.0)
+    {
+        reader.report(
+            Problem::at(
+                span,
+                format!(
+                    "a lobe of exponent {n} with a reflectance of {} would return more light than arrives",
+                    reflectance.largest()
+                ),
+            )
+            .allowed(format!("reflectances up to {}", (n + 1.0) / (n + 2.0))),
+        );
+        return None;
+    }
     Some(match exponent {
         Some(exponent) => Material::Phong(Phong {
             reflectance,

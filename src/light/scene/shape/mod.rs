@@ -135,6 +135,15 @@ impl Shape {
         }
     }
 
+    /// The same, left where rounding put it.
+    #[inline]
+    pub fn raw_coordinates(&self, part: usize, place: Vector) -> [f64; 2] {
+        match self {
+            Self::Planar(planar) => planar.raw_coordinates(place),
+            _ => self.coordinates(part, place),
+        }
+    }
+
     /// The direction in which the front looks at a place on the surface.
     #[inline]
     pub fn normal(&self, part: usize, place: Vector) -> Vector {

@@ -176,10 +176,14 @@ impl Planar {
     }
 
     #[inline]
-    pub(super) fn coordinates(&self, place: Vector) -> [f64; 2] {
+    pub(super) fn raw_coordinates(&self, place: Vector) -> [f64; 2] {
         let from = place - self.corners[0];
-        let found = self.axes.map(|axis| axis.dot(&from));
-        self.inside(found)
+        self.axes.map(|axis| axis.dot(&from))
+    }
+
+    #[inline]
+    pub(super) fn coordinates(&self, place: Vector) -> [f64; 2] {
+        self.inside(self.raw_coordinates(place))
     }
 
     /// The nearest point of the chart that [`Domain::contains`]; the point itself where that is already so.
