@@ -39,7 +39,7 @@ static OBSERVER: LazyLock<Observer> = LazyLock::new(|| {
 
 /// X, Y and Z of one watt at `wavelength` in nm; 0 for what is not seen.
 pub fn tristimulus(wavelength: f64) -> [f64; 3] {
-    let seen = wavelength >= VISIBLE[0] && wavelength <= VISIBLE[1];
+    let seen = (VISIBLE[0]..=VISIBLE[1]).contains(&wavelength);
     let scale = if seen { OBSERVER.integral.recip() } else { 0.0 };
     [0, 1, 2].map(|axis| OBSERVER.functions[axis].at(wavelength) * scale)
 }

@@ -26,11 +26,7 @@ impl Emission {
     pub fn table(&self) -> Table {
         match &self.radiance {
             Spectrum::Table(table) => table.clone(),
-            other => {
-                let level = other.at(VISIBLE[0]);
-                Table::new(VISIBLE.map(|wavelength| [wavelength, level]).to_vec())
-                    .expect("two wavelengths in order")
-            }
+            other => Table::level(VISIBLE, other.at(VISIBLE[0])),
         }
     }
 }

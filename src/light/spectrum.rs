@@ -76,6 +76,14 @@ impl Table {
         })
     }
 
+    /// The same value between two wavelengths, which must be in order.
+    pub(super) fn level(ends: [f64; 2], value: f64) -> Self {
+        Self {
+            rows: ends.map(|wavelength| [wavelength, value]).to_vec(),
+            step: Some(ends[1] - ends[0]),
+        }
+    }
+
     /// The rows.
     pub fn rows(&self) -> &[[f64; 2]] {
         &self.rows

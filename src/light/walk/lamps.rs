@@ -10,6 +10,7 @@ use crate::random::Stream;
 use rand::RngExt;
 
 /// A photon about to leave its lamp.
+#[derive(Clone, Copy)]
 pub(super) struct Start<L> {
     pub(super) ray: Ray,
     pub(super) light: L,
