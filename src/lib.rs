@@ -23,6 +23,7 @@
 //! | [`space`] | points, domains, grids, fields |
 //! | [`density`] | known truths |
 //! | [`sample`] | weighted points on a domain, and where they come from |
+//! | [`accuracy`] | how wrong: distances between fields, and what can be said of them without the truth |
 //! | [`neighbour`] | the nearest points of a sample |
 //! | [`kernel`] | the bump, its width, and the sum of bumps |
 //! | [`theory`] | exact expectations, errors and optima without simulation |
@@ -30,8 +31,8 @@
 //! | [`selector`] | sample → bandwidth |
 //! | [`boundary`] | walls |
 //! | [`estimator`] | sample → estimate |
-//! | [`accuracy`] | how wrong: distances between fields |
 //! | [`light`] | photons in rooms, and the hits that they leave |
+//! | [`uncertainty`] | what one sample says of its own error |
 //! | [`experiment`] | question → table |
 //! | [`report`] | table → figures and page |
 //! | [`cli`] | one file per command |
@@ -56,3 +57,4 @@ pub mod selector;
 pub mod space;
 pub mod storage;
 pub mod theory;
+pub mod uncertainty;

@@ -5,11 +5,13 @@
 
 mod drawn;
 pub mod file;
+mod paths;
 mod source;
 mod summary;
 mod weighted;
 
 pub use drawn::Drawn;
+pub use paths::Paths;
 pub use source::Source;
 pub use summary::Summary;
 pub use weighted::{Sample, SampleError, Weights};

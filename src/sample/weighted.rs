@@ -1,5 +1,6 @@
 //! The sample itself.
 
+use super::Paths;
 use crate::numeric::Sum;
 use crate::space::{Domain, Point};
 use std::sync::Arc;
@@ -58,6 +59,26 @@ pub enum SampleError {
         /// Its weight.
         value: f64,
     },
+    /// Not one path a point.
+    #[error("{paths} paths for {points} points")]
+    Paths {
+        /// Paths given.
+        paths: usize,
+        /// Points given.
+        points: usize,
+    },
+    /// A path that is not one of those there are.
+    #[error(
+        "point {index} (counted from 0) comes from path {path}, but the {count} paths are numbered from 0"
+    )]
+    Path {
+        /// Which point.
+        index: usize,
+        /// Its path.
+        path: u32,
+        /// How many paths there are.
+        count: usize,
+    },
     /// Weights whose sum is zero or overflows.
     #[error("the weights sum to {0}; the sum must be positive and finite")]
     Mass(f64),
@@ -84,6 +105,7 @@ pub struct Sample<const D: usize> {
     domain: Domain<D>,
     mass: f64,
     effective_size: f64,
+    pub(super) paths: Option<Paths>,
 }
 
 impl<const D: usize> Sample<D> {
@@ -140,6 +162,7 @@ impl<const D: usize> Sample<D> {
             domain,
             mass,
             effective_size,
+            paths: None,
         })
     }
 
@@ -300,6 +323,7 @@ impl<const D: usize> Sample<D> {
             domain: self.domain.clone(),
             mass,
             effective_size,
+            paths: self.paths.clone(),
         }
     }
 }

@@ -14,6 +14,7 @@ mod modes;
 mod polygon;
 mod raster;
 mod ring;
+mod summed_area;
 mod summits;
 
 pub use domain::{Domain, DomainError, Side};
@@ -23,6 +24,7 @@ pub use modes::{Mode, RIPPLE, modes};
 pub use polygon::{Polygon, PolygonError};
 pub use raster::Raster;
 pub use ring::{clip, distance_to_segment, moments as polygon_moments};
+pub use summed_area::{SummedArea, Window};
 pub use summits::mode_count;
 
 /// A place in `D` dimensions.
