@@ -34,6 +34,7 @@
 //! | [`light`] | photons in rooms, and the hits that they leave |
 //! | [`uncertainty`] | what one sample says of its own error |
 //! | [`experiment`] | question → table |
+//! | [`doctor`] | is the laboratory itself well? |
 //! | [`report`] | table → figures and page |
 //! | [`cli`] | one file per command |
 pub mod accuracy;
@@ -41,6 +42,7 @@ pub mod boundary;
 pub mod cli;
 pub mod density;
 pub mod document;
+pub mod doctor;
 pub mod engine;
 pub mod estimator;
 pub mod experiment;

@@ -16,6 +16,7 @@
 //! expectation and average of the same number.
 
 mod calibration;
+pub mod chance;
 mod errors;
 mod interval;
 mod local;

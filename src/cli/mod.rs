@@ -7,6 +7,8 @@ mod argument;
 mod check;
 mod commands;
 mod completions;
+mod diff;
+mod doctor;
 mod estimate;
 mod estimator;
 mod interrupt;
@@ -66,6 +68,8 @@ enum Command {
     Select(select::Select),
     Oracle(oracle::Oracle),
     Sample(sample::Sample),
+    Diff(diff::Diff),
+    Doctor(doctor::Doctor),
     Schema(schema::Schema),
     Completions(completions::Completions),
 }
@@ -80,6 +84,8 @@ impl Command {
             Self::Select(select) => select.run(notes),
             Self::Oracle(oracle) => oracle.run(notes),
             Self::Sample(sample) => sample.run(),
+            Self::Diff(diff) => diff.run(notes),
+            Self::Doctor(doctor) => doctor.run(notes),
             Self::Schema(_) => schema::Schema::run(),
             Self::Completions(completions) => completions.run(),
         }

@@ -10,6 +10,7 @@
 pub mod budget;
 pub mod catalogue;
 mod claim;
+pub mod difference;
 mod figure;
 pub mod judge;
 pub mod manifest;

@@ -1,0 +1,95 @@
+//! Nearest neighbours: how far they are, and what estimates make of it.
+
+use super::{Check, Evidence, Finding, Subjects, round, sample, uniform};
+use crate::doctor::subjects::K;
+use crate::neighbour::Scratch;
+use crate::space::Field;
+
+/// Mean and variance of the estimate on a line.
+pub const MOMENTS: Check = Check {
+    name: "neighbour-moments",
+    states: "mean and variance of (k - 1)/(n V) are those of the Beta distribution of the ball",
+    run: moments,
+};
+
+fn moments(subjects: &Subjects, seed: u64) -> Finding {
+    const DRAWS: usize = 150;
+    const PLACE: [f64; 1] = [0.4];
+    let values: Vec<f64> = (0..3000)
+        .map(|number| {
+            let sample = subjects.sample(seed, "doctor/neighbour-moments", number, DRAWS);
+            let estimate = subjects.nearest.fit(&sample);
+            estimate.map_or(f64::NAN, |estimate| estimate.at(PLACE))
+        })
+        .collect();
+    let theory = subjects
+        .nearest
+        .expectation(&*subjects.density, DRAWS, &[PLACE])
+        .unwrap_or_default();
+    let mut evidence = Evidence::default();
+    for theory in theory {
+        evidence.mean("mean", &values, theory.mean);
+        evidence.variance("variance", &values, theory.variance);
+    }
+    evidence.finding()
+}
+
+/// On a torus, where the density is flat and the estimate exactly unbiased.
+pub const TORUS: Check = Check {
+    name: "neighbour-torus",
+    states: "on a flat torus the estimate is unbiased with the coefficient of variation that k gives",
+    run: torus,
+};
+
+fn torus(subjects: &Subjects, seed: u64) -> Finding {
+    const DRAWS: usize = 150;
+    let values: Vec<f64> = (0..2000)
+        .map(|number| {
+            let points = uniform::<2>(subjects, seed, "doctor/neighbour-torus", number, DRAWS);
+            let estimate = subjects.plane_nearest.fit(&sample(points, round()));
+            // near the seam, where wrapping matters
+            estimate.map_or(f64::NAN, |estimate| estimate.at([0.02, 0.97]))
+        })
+        .collect();
+    // (k - 1)/(n V) with V of Beta(k, n - k + 1): E V⁻² = n (n - 1)/((k - 1)(k - 2))
+    let (n, k) = (DRAWS as f64, K as f64);
+    let variance = (k - 1.0) * (n - 1.0) / (n * (k - 2.0)) - 1.0;
+    let mut evidence = Evidence::default();
+    evidence.mean("mean", &values, 1.0);
+    evidence.variance("variance", &values, variance);
+    evidence.finding()
+}
+
+/// Distances against looking at every point.
+pub const FOUND: Check = Check {
+    name: "neighbours-found",
+    states: "the k-th neighbour is as far away as the k-th of all distances, round the torus too",
+    run: found,
+};
+
+fn found(subjects: &Subjects, seed: u64) -> Finding {
+    let points = uniform::<2>(subjects, seed, "doctor/neighbours-found", 0, 400);
+    let targets = uniform::<2>(subjects, seed, "doctor/neighbours-found", 1, 40);
+    let finder = (subjects.neighbours)(&sample(points.clone(), round()));
+    let mut scratch = Scratch::default();
+    let mut evidence = Evidence::default();
+    let pairs: Vec<(f64, f64)> = targets
+        .iter()
+        .flat_map(|target| {
+            let mut squares: Vec<f64> = points
+                .iter()
+                .map(|point| {
+                    let along = |axis: usize| {
+                        let d = (target[axis] - point[axis]).abs();
+                        d.min(1.0 - d)
+                    };
+                    along(0).powi(2) + along(1).powi(2)
+                })
+                .collect();
+            squares.sort_by(f64::total_cmp);
+            [1, 7, 50].map(|k| (finder.distance(*target, k, &mut scratch), squares[k - 1]))
+        })
+        .collect();
+    evidence.exact("squared distance", pairs, 0.01, 1e-12);
+    evidence.finding()
+}
