@@ -1,8 +1,12 @@
 //! The only place where a name in a file meets a type.
 
+use super::uncertainty::UncertaintyKind;
+use crate::accuracy::{Directions, LocalError};
 use crate::density::{self, Density, Truth};
 use crate::estimator::{self, Build, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
+use crate::sample::{Clustered, Source};
+use crate::uncertainty::{Differences, ErrorEstimate};
 use std::sync::Arc;
 
 /// An estimator built from its settings, or what is wrong with them.
@@ -45,6 +49,12 @@ pub trait Builds<const D: usize> {
 
     /// A density, if it has `D` dimensions.
     fn truth(truth: Truth) -> Option<Arc<dyn Density<D>>>;
+
+    /// A source whose points come in paths, if it has `D` dimensions.
+    fn clustered(source: Clustered) -> Option<Arc<dyn Source<D>>>;
+
+    /// An estimate of the error.
+    fn error_estimate(kind: &UncertaintyKind) -> Box<dyn ErrorEstimate<D>>;
 }
 
 impl Builds<1> for Entry {
@@ -54,6 +64,17 @@ impl Builds<1> for Entry {
 
     fn build(&self, values: &Values, context: &Context<1>) -> Built<1> {
         self.checked(self.line, values, context, "on a line")
+    }
+
+    fn clustered(source: Clustered) -> Option<Arc<dyn Source<1>>> {
+        Some(Arc::new(source))
+    }
+
+    fn error_estimate(kind: &UncertaintyKind) -> Box<dyn ErrorEstimate<1>> {
+        match kind.halves() {
+            Some(halves) => Box::new(halves),
+            None => Box::new(differences(kind)),
+        }
     }
 
     fn truth(truth: Truth) -> Option<Arc<dyn Density<1>>> {
@@ -70,8 +91,34 @@ impl Builds<2> for Entry {
         self.checked(self.plane, values, context, "in the plane")
     }
 
+    fn clustered(_source: Clustered) -> Option<Arc<dyn Source<2>>> {
+        None
+    }
+
+    fn error_estimate(kind: &UncertaintyKind) -> Box<dyn ErrorEstimate<2>> {
+        match kind.halves() {
+            Some(halves) => Box::new(halves),
+            None => Box::new(differences(kind)),
+        }
+    }
+
     fn truth(truth: Truth) -> Option<Arc<dyn Density<2>>> {
         truth.plane().map(|density| density as Arc<dyn Density<2>>)
+    }
+}
+
+/// Local differences as told; the default for what is something else.
+fn differences(kind: &UncertaintyKind) -> Differences {
+    match kind {
+        UncertaintyKind::Differences { directions, region } => Differences(LocalError {
+            directions: if *directions == 4 {
+                Directions::Four
+            } else {
+                Directions::Eight
+            },
+            region: *region,
+        }),
+        UncertaintyKind::Halves { .. } => Differences::default(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a run must show.
 
 use super::significant;
+use super::uncertainty::Quantity;
 use serde::Serialize;
 use std::fmt;
 
@@ -181,6 +182,22 @@ pub enum Statement {
         /// Confidence of the intervals; 0.99 if not given.
         confidence: f64,
     },
+    /// `uncertainty = { of = A, by = U, quantity = Q, [equals = V, margin = ABS], [above = B], [confidence = C] }`: the interval of what an estimate of the error gives lies within the margin,
+    /// or above the bound.
+    Uncertainty {
+        /// The estimator.
+        of: String,
+        /// The estimate of its error.
+        by: String,
+        /// What is asked of it.
+        quantity: Quantity,
+        /// The expected value and the margin, absolute.
+        equals: Option<(f64, f64)>,
+        /// A lower bound.
+        above: Option<f64>,
+        /// Confidence of the interval; 0.99 if not given.
+        confidence: f64,
+    },
     /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
     BestIsNear {
         /// The swept estimator.
@@ -203,6 +220,7 @@ pub enum Statement {
 
 /// The statement as a sentence.
 impl fmt::Display for Statement {
+    #[expect(clippy::too_many_lines, reason = "one sentence a statement")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Below {
@@ -271,6 +289,23 @@ impl fmt::Display for Statement {
                 )?;
                 match below {
                     Some(below) => write!(f, ", below that of {below}"),
+                    None => Ok(()),
+                }
+            }
+            Self::Uncertainty {
+                of,
+                by,
+                quantity,
+                equals,
+                above,
+                ..
+            } => {
+                write!(f, "the {} of {by} for {of} is", quantity.name())?;
+                if let Some((equals, margin)) = equals {
+                    write!(f, " {equals} ± {}", significant(*margin, 3))?;
+                }
+                match above {
+                    Some(above) => write!(f, " above {above}"),
                     None => Ok(()),
                 }
             }

@@ -59,6 +59,13 @@ pub enum FigureKind {
         /// Where it ends.
         to: [f64; 2],
     },
+    /// True and estimated errors along a line, one panel an estimator.
+    Uncertainty {
+        /// In the plane, where on the second axis; its middle if not given.
+        at: Option<f64>,
+        /// Whether estimates are multiplied by their fitted factors.
+        calibrated: bool,
+    },
     /// Measured and theoretical efficiency of each kernel.
     Efficiency {},
 }

@@ -21,6 +21,7 @@ pub mod run;
 pub mod schema;
 mod summary;
 pub mod table;
+pub mod uncertainty;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};
@@ -53,6 +54,9 @@ pub struct Experiment {
     pub grid: Option<GridSpec>,
     /// The estimators, sweeps expanded, names distinct.
     pub estimators: Vec<EstimatorSpec>,
+    /// What one sample says of its own error, held against the truth.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub uncertainties: Vec<uncertainty::UncertaintySpec>,
     /// What to draw.
     pub figures: Vec<Figure>,
     /// What the run must show.
@@ -70,6 +74,9 @@ pub enum SourceSpec {
         kind: String,
         /// Its parameters.
         values: Values,
+        /// Points come in paths about centres of this density, if so.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        paths: Option<PathSpec>,
     },
     /// A data file.
     File {
@@ -105,6 +112,15 @@ impl SourceSpec {
             Self::File { columns, .. } => columns.len(),
         }
     }
+}
+
+/// Paths that leave several points each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PathSpec {
+    /// How many points a path leaves.
+    pub hits: usize,
+    /// The deviation of each from the centre of its path.
+    pub spread: f64,
 }
 
 /// Where the points of a data file can lie.

@@ -1,6 +1,7 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
 use super::run::{Bench, Cell, Failure, Finished, Record, Replicate};
+use super::uncertainty::Said;
 use super::{Experiment, Measure};
 use crate::accuracy::{Interval, Tally, mean_interval};
 use crate::numeric::Sum;
@@ -58,6 +59,8 @@ pub struct Outcome {
     pub expected: Option<Vec<f64>>,
     /// The engine that computed it, where there was a choice.
     pub engine: Option<String>,
+    /// What each estimate of the error said, block by block.
+    pub said: Vec<Vec<Said>>,
 }
 
 impl<const D: usize> Group<D> {
@@ -240,12 +243,16 @@ fn gather_one<const D: usize>(
         measures: BTreeMap::new(),
         expected: None,
         engine: None,
+        said: vec![Vec::new(); experiment.uncertainties.len()],
     };
     for record in records {
         outcome.replicates.extend(record.replicates);
         outcome.tally.merge(&record.tally);
         outcome.blocks.push(record.tally);
         outcome.engine = outcome.engine.or(record.engine);
+        for (all, said) in outcome.said.iter_mut().zip(record.said) {
+            all.push(said);
+        }
     }
     for measure in Measure::ALL {
         if let Some(interval) = outcome.interval(measure, CONFIDENCE, group) {

@@ -5,7 +5,7 @@
 
 use super::Measure;
 use super::catalogue;
-use super::read::{figure, form, grid, source, sweep, whole};
+use super::read::{figure, form, grid, source, sweep, uncertainty, whole};
 use crate::density;
 use crate::parameter::{Absent, Kind, Parameter};
 use serde_json::{Map, Value, json};
@@ -61,6 +61,16 @@ fn top() -> Value {
                         .map(|form| (form.name, table(form.parameters), form.summary.to_owned())),
                 ),
             }),
+            "uncertainty" => json!({
+                "type": "array",
+                "maxItems": 20,
+                "items": tagged(
+                    uncertainty::COMMON,
+                    uncertainty::FORMS
+                        .iter()
+                        .map(|(name, parameters, help)| (*name, table(parameters), (*help).to_owned())),
+                ),
+            }),
             "claim" => {
                 json!({ "type": "array", "maxItems": super::read::CLAIMS, "items": claim_schema() })
             }
@@ -107,6 +117,11 @@ fn claim_schema() -> Value {
             "regret",
             table(form::REGRET),
             "the median error relative to another estimator's on the same samples".to_owned(),
+        ),
+        (
+            "uncertainty",
+            table(uncertainty::CLAIM),
+            "what an estimate of the error gives".to_owned(),
         ),
     ];
     tagged(form::COMMON, measures.chain(others))
@@ -159,10 +174,13 @@ fn source_schema() -> Value {
             "type": "object",
             "additionalProperties": false,
             "required": ["density"],
-            "properties": { "density": described(
-                json!({ "anyOf": [one, { "type": "array", "minItems": 1, "items": one }] }),
-                "a known density by name, one with its parameters, or a list of them",
-            ) },
+            "properties": {
+                "density": described(
+                    json!({ "anyOf": [one, { "type": "array", "minItems": 1, "items": one }] }),
+                    "a known density by name, one with its parameters, or a list of them",
+                ),
+                "paths": described(table(source::PATHS), source::PATHS_HELP),
+            },
         },
         file,
     ] })

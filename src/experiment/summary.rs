@@ -1,5 +1,6 @@
 //! A checked experiment in words: what it resolves to and what it will cost.
 
+use super::PathSpec;
 use super::{
     EstimatorSpec, Experiment, FigureKind, GridSpec, Limits, SourceSpec, budget, significant,
 };
@@ -48,15 +49,24 @@ pub fn summary(experiment: &Experiment) -> String {
 
 fn source_line(source: &SourceSpec) -> String {
     match source {
-        SourceSpec::Density { name, kind, values } => {
+        SourceSpec::Density {
+            name,
+            kind,
+            values,
+            paths,
+        } => {
             let told = settings(values);
             let kind = if name == kind {
                 String::new()
             } else {
                 format!(" ({kind})")
             };
+            let paths = paths.map_or_else(String::new, |paths| {
+                let PathSpec { hits, spread } = paths;
+                format!(", {hits} points a path, spread by {spread}")
+            });
             format!(
-                "the density {name}{kind}{}{told}",
+                "the density {name}{kind}{}{told}{paths}",
                 if told.is_empty() { "" } else { ": " }
             )
         }
@@ -180,6 +190,7 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::Sweep { .. } => "sweep",
         FigureKind::Densities {} => "densities",
         FigureKind::Efficiency {} => "efficiency",
+        FigureKind::Uncertainty { .. } => "uncertainty",
         FigureKind::Maps { .. } => "maps",
         FigureKind::Section { .. } => "section",
     }

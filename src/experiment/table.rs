@@ -3,6 +3,7 @@
 use super::Experiment;
 use super::judge::Verdict;
 use super::results::{Outcome, Results};
+use super::uncertainty::Quantity;
 use crate::accuracy::compare;
 use crate::experiment::Measure;
 use crate::experiment::results::CONFIDENCE;
@@ -242,6 +243,49 @@ pub fn curves<const D: usize>(results: &Results<D>, first: &[&[Vec<f64>]]) -> Ta
     columns.extend(["truth", "first_sample", "mean", "deviation", "expected"]);
     Table {
         file: "curves.csv",
+        columns,
+        rows,
+    }
+}
+
+/// One row for each estimator, estimate of the error and quantity.
+pub fn uncertainties<const D: usize>(experiment: &Experiment, results: &Results<D>) -> Table {
+    let mut rows = Vec::new();
+    for group in &results.groups {
+        for outcome in &group.outcomes {
+            for (at, spec) in experiment.uncertainties.iter().enumerate() {
+                for quantity in Quantity::ALL {
+                    let Some(found) = outcome.uncertainty(at, quantity, CONFIDENCE, group) else {
+                        continue;
+                    };
+                    rows.push(vec![
+                        group.name.clone(),
+                        group.draws.to_string(),
+                        outcome.name.clone(),
+                        spec.name.clone(),
+                        quantity.name().to_owned(),
+                        digits(Some(found.value)),
+                        digits(found.standard_error),
+                        digits(found.standard_error.map(|_| found.low)),
+                        digits(found.standard_error.map(|_| found.high)),
+                    ]);
+                }
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "estimator",
+        "uncertainty",
+        "quantity",
+        "value",
+        "standard_error",
+        "low",
+        "high",
+    ];
+    Table {
+        file: "uncertainty.csv",
         columns,
         rows,
     }

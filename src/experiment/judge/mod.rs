@@ -4,6 +4,7 @@ mod comparison;
 mod modes;
 mod optimum;
 mod regret;
+mod uncertain;
 
 pub use optimum::swept;
 
@@ -17,6 +18,7 @@ use comparison::{agrees, below_by, equal};
 use modes::{median_modes, share_of_modes};
 use optimum::{best_is_near, oracle};
 use regret::regret;
+use uncertain::uncertainty;
 
 /// How a claim came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,6 +201,24 @@ fn judge_one<const D: usize>(
             let expected = (*median, *margin);
             regret(group, (of, over), expected, below.as_deref(), *confidence)
         }
+        Statement::Uncertainty {
+            of,
+            by,
+            quantity,
+            equals,
+            above,
+            confidence,
+        } => {
+            let expected = (*equals, *above);
+            uncertainty(
+                experiment,
+                group,
+                (of, by),
+                *quantity,
+                expected,
+                *confidence,
+            )
+        }
         Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
         Statement::Oracle {
             quantity,
@@ -221,7 +241,9 @@ fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> O
         Statement::AgreesWithExact { measure, .. } => (*measure, false),
         Statement::Regret { .. } => (Measure::Mise, true),
         Statement::MedianModes { .. } | Statement::ShareOfModes { .. } => (Measure::Modes, false),
-        Statement::BestIsNear { .. } | Statement::Oracle { .. } => return None,
+        Statement::Uncertainty { .. } | Statement::BestIsNear { .. } | Statement::Oracle { .. } => {
+            return None;
+        }
     };
     let parts = matches!(measure, Measure::Bias2 | Measure::Variance);
     if parts && paired {

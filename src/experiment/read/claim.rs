@@ -28,6 +28,7 @@ pub(super) fn claim(
         "best" => best(reader, entry, setting),
         "oracle" => oracle(reader, entry, setting),
         "regret" => regret(reader, entry, setting),
+        "uncertainty" => super::uncertainty::claim(reader, entry, setting),
         name => {
             let measure = Measure::ALL
                 .into_iter()
@@ -59,7 +60,7 @@ pub(crate) fn statements() -> Vec<&'static str> {
     Measure::ALL
         .into_iter()
         .map(Measure::name)
-        .chain(["best", "oracle", "regret"])
+        .chain(["best", "oracle", "regret", "uncertainty"])
         .collect()
 }
 

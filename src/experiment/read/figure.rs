@@ -110,6 +110,29 @@ pub(crate) const FORMS: &[Form] = &[
         title: "Efficiency",
     },
     Form {
+        name: "uncertainty",
+        summary: "the true root mean squared error and what each [[uncertainty]] says of it, along a line",
+        parameters: &[
+            Parameter::optional(
+                "at",
+                Kind::Real,
+                Absent::Unset,
+                "in the plane, where the line crosses the second axis; in its middle by default",
+            )
+            .only_in(2),
+            Parameter::optional(
+                "calibrated",
+                Kind::Flag,
+                Absent::Flag(false),
+                "estimates are multiplied by their fitted factors M",
+            ),
+        ],
+        truth: true,
+        replicates: true,
+        only: None,
+        title: "Estimated and true error",
+    },
+    Form {
         name: "maps",
         summary: "densities of the plane as colours: the truth, estimates of the first sample, their mean, its error",
         parameters: &[
@@ -368,6 +391,20 @@ fn resolve(
         }
         "densities" => Some(FigureKind::Densities {}),
         "efficiency" => Some(FigureKind::Efficiency {}),
+        "uncertainty" => {
+            if setting.uncertainties.is_empty() {
+                reader.report(
+                    Problem::at(located.span.clone(), "there is no [[uncertainty]] to show").help(
+                        "for instance: [[uncertainty]] and below it halves = { batches = 2 }",
+                    ),
+                );
+                return None;
+            }
+            Some(FigureKind::Uncertainty {
+                at: values.number("at"),
+                calibrated: values.flag("calibrated").unwrap_or(false),
+            })
+        }
         "maps" => maps(reader, located, setting),
         "section" => {
             let end = |x, y| Some([values.number(x)?, values.number(y)?]);

@@ -30,6 +30,7 @@ mod single;
 pub(crate) mod source;
 pub(crate) mod sweep;
 mod trial;
+pub(crate) mod uncertainty;
 pub(crate) mod whole;
 
 pub use crate::document::{LARGEST, Problem, Problems, Span};

@@ -19,6 +19,8 @@ pub(super) struct Setting<'s> {
     pub(super) truth: Option<bool>,
     /// The least ∫f² of the sources, where they are known: the error of an estimate that is zero everywhere.
     pub(super) power: Option<f64>,
+    /// The names of the estimates of the error.
+    pub(super) uncertainties: &'s [String],
     /// What theory can say of each estimator; those that could not be built are missing.
     pub(super) theory: &'s BTreeMap<String, Known>,
 }

@@ -5,9 +5,11 @@ use super::node::{Entry, Item, Reader, found};
 use super::problem::{Problem, Span, printable};
 use super::value;
 use crate::density::{self, Truth};
-use crate::experiment::SourceSpec;
+use crate::experiment::{PathSpec, SourceSpec};
 use crate::parameter::{Absent, Kind, Parameter, Values, listed, nearest};
+use crate::sample::Clustered;
 use std::path::Path;
+use std::sync::Arc;
 use toml::de::DeValue;
 
 /// A source with what the checks of the rest need to know of it.
@@ -26,6 +28,26 @@ pub(crate) const NAME: &[Parameter] = &[Parameter::optional(
     Absent::Unset,
     "what it is called in tables and claims; its kind by default",
 )];
+
+/// `paths`.
+pub(crate) const PATHS: &[Parameter] = &[
+    Parameter::required(
+        "hits",
+        Kind::Count {
+            least: 1,
+            most: 1_000_000,
+        },
+        "how many points each path leaves",
+    ),
+    Parameter::required(
+        "spread",
+        Kind::Positive,
+        "the deviation of each point from the centre of its path",
+    ),
+];
+
+/// What `paths` means.
+pub(crate) const PATHS_HELP: &str = "points come in paths, several near a centre that is drawn from the density; for mixtures of normals on a line, whose components become wider by that";
 
 /// What a data file may be told, but for its walls.
 pub(crate) const FILE: &[Parameter] = &[
@@ -78,8 +100,12 @@ pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> O
     let file = table.take("file");
     match (density, file) {
         (Some(entry), None) => {
-            let unknown = table.finish(reader, &["density"]);
-            let read = densities(reader, entry.item)?;
+            let paths = table.take("paths");
+            let unknown = table.finish(reader, &["density", "paths"]);
+            let mut read = densities(reader, entry.item)?;
+            if let Some(paths) = paths {
+                cluster(reader, paths, &mut read)?;
+            }
             (!unknown).then_some(read)
         }
         (None, Some(entry)) => data(reader, entry, table, folder).map(|read| vec![read]),
@@ -101,6 +127,42 @@ pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> O
             None
         }
     }
+}
+
+/// Makes points come in paths.
+fn cluster(reader: &mut Reader, entry: Entry<'_>, sources: &mut [Read]) -> Option<()> {
+    let mut table = reader.table(entry.item, "`paths`")?;
+    table.span = entry.key_span();
+    let read = value::values(reader, PATHS, table, "`paths`");
+    if !read.complete {
+        return None;
+    }
+    let told = PathSpec {
+        hits: read.values.count("hits")? as usize,
+        spread: read.values.number("spread")?,
+    };
+    for source in sources {
+        let line = source.truth.clone().and_then(Truth::line);
+        let centres = line.as_ref().and_then(|line| line.normal_components());
+        let clustered = centres.map(|centres| Clustered::new(centres, told.hits, told.spread));
+        let what = match clustered {
+            Some(Ok(clustered)) => {
+                source.truth = Some(Truth::Line(Arc::new(clustered.density().clone())));
+                if let SourceSpec::Density { paths, .. } = &mut source.spec {
+                    *paths = Some(told);
+                }
+                continue;
+            }
+            Some(Err(error)) => error.to_string(),
+            None => format!(
+                "\"{}\" is not a mixture of normals on a line, which `paths` needs",
+                printable(source.spec.name())
+            ),
+        };
+        reader.report(Problem::at(entry.key_span(), what));
+        return None;
+    }
+    Some(())
 }
 
 fn densities(reader: &mut Reader, item: &Item<'_>) -> Option<Vec<Read>> {
@@ -271,6 +333,7 @@ fn build(
                 name: name.to_owned(),
                 kind: entry.names[0].to_owned(),
                 values,
+                paths: None,
             },
             truth: Some(truth),
             sample: None,

@@ -36,9 +36,16 @@ pub(crate) const KEYS: &[(&str, &str)] = &[
         "estimator",
         "what is compared: a name and one kind with its settings",
     ),
+    (
+        "uncertainty",
+        "what one sample says of its own error, held against the true one: a name and one kind with its settings",
+    ),
     ("figure", "what to draw"),
     ("claim", "what the run must show"),
 ];
+
+/// At most so many estimates of the error: each costs as much as the estimate itself.
+const UNCERTAINTIES: usize = 20;
 
 /// What comes before the estimators; `None` for what is wrong, which has been reported.
 struct Head<'d> {
@@ -140,7 +147,34 @@ pub(super) fn experiment(
         (Some(sources), Some(draws)) => try_building(reader, &groups, sources, draws),
         _ => BTreeMap::new(),
     };
+    let uncertainties = parts(
+        reader,
+        &mut top,
+        "uncertainty",
+        UNCERTAINTIES,
+        super::uncertainty::uncertainty,
+    );
+    let uncertain: Vec<String> = uncertainties
+        .iter()
+        .flatten()
+        .map(|spec| spec.name.clone())
+        .collect();
+    if let Some((at, _)) =
+        (uncertain.iter().enumerate()).find(|(at, name)| uncertain[..*at].contains(name))
+    {
+        reader.report(
+            Problem::at(
+                top.span.clone(),
+                format!(
+                    "there is an uncertainty \"{}\" already",
+                    printable(&uncertain[at])
+                ),
+            )
+            .help("give each a `name` of its own"),
+        );
+    }
     let setting = Setting {
+        uncertainties: &uncertain,
         names: &names,
         sources: head
             .sources
@@ -183,6 +217,7 @@ pub(super) fn experiment(
         replicates: head.replicates?,
         grid: head.grid,
         estimators: groups.into_iter().flat_map(|group| group.members).collect(),
+        uncertainties: uncertainties?,
         figures: figures?,
         claims: claims?,
     };

@@ -2,14 +2,17 @@
 
 use super::cell::sampling_stream;
 use super::{Cell, RunError, block_length};
-use crate::density::Density;
+use crate::density::{Density, Truth};
 use crate::estimator::{Context, Estimator};
 use crate::experiment::catalogue::{Builds, Entry};
-use crate::experiment::{Experiment, FigureKind, GridSpec, Limits, SourceSpec, catalogue};
+use crate::experiment::{
+    Experiment, FigureKind, GridSpec, Limits, PathSpec, SourceSpec, catalogue,
+};
 use crate::kernel::Shape;
-use crate::sample::{Sample, file};
+use crate::sample::{Clustered, Sample, Source, file};
 use crate::space::{Domain, Grid, Point, Polygon};
 use crate::theory::{self, Optimum, Oracle};
+use crate::uncertainty::ErrorEstimate;
 use std::sync::Arc;
 
 /// What is fixed for one source and one sample size.
@@ -24,6 +27,8 @@ pub struct Setting<const D: usize = 1> {
     pub truth: Option<Vec<f64>>,
     /// The estimators in the experiment's order.
     pub estimators: Vec<Box<dyn Estimator<D>>>,
+    /// The estimates of the error in the experiment's order.
+    pub uncertainties: Vec<Box<dyn ErrorEstimate<D>>>,
 }
 
 impl<const D: usize> Setting<D> {
@@ -41,13 +46,15 @@ impl<const D: usize> Setting<D> {
 
 enum Opened<const D: usize> {
     Density(Arc<dyn Density<D>>),
+    /// A density whose points come in paths.
+    Paths(Arc<dyn Density<D>>, Arc<dyn Source<D>>),
     Data(Sample<D>),
 }
 
 impl<const D: usize> Opened<D> {
     fn domain(&self) -> &Domain<D> {
         match self {
-            Self::Density(density) => density.domain(),
+            Self::Density(density) | Self::Paths(density, _) => density.domain(),
             Self::Data(sample) => sample.domain(),
         }
     }
@@ -75,7 +82,7 @@ impl<const D: usize> Bench<D> {
         for spec in &experiment.sources {
             let opened = open(spec)?;
             let sizes = match &opened {
-                Opened::Density(_) => experiment.draws.clone(),
+                Opened::Density(_) | Opened::Paths(..) => experiment.draws.clone(),
                 Opened::Data(sample) => vec![sample.len()],
             };
             let of_source: Result<Vec<Setting<D>>, RunError> = sizes
@@ -142,7 +149,7 @@ impl<const D: usize> Bench<D> {
     /// The density of a source, where it is known.
     pub fn truth(&self, source: usize) -> Option<&Arc<dyn Density<D>>> {
         match &self.sources[source] {
-            Opened::Density(density) => Some(density),
+            Opened::Density(density) | Opened::Paths(density, _) => Some(density),
             Opened::Data(_) => None,
         }
     }
@@ -177,6 +184,13 @@ impl<const D: usize> Bench<D> {
     ) -> Result<Sample<D>, RunError> {
         match &self.sources[source] {
             Opened::Data(sample) => Ok(sample.clone()),
+            Opened::Paths(_, paths) => {
+                let draws = self.settings[source][size].draws;
+                let mut random = sampling_stream(self.experiment.seed, replicate);
+                paths
+                    .sample(draws, &mut random)
+                    .map_err(|error| RunError::Input(error.to_string()))
+            }
             Opened::Density(density) => {
                 let draws = self.settings[source][size].draws;
                 let name = self.experiment.sources[source].name();
@@ -223,9 +237,17 @@ where
     Entry: Builds<D>,
 {
     match spec {
-        SourceSpec::Density { kind, values, .. } => {
+        SourceSpec::Density {
+            kind,
+            values,
+            paths,
+            ..
+        } => {
             let built = catalogue::density(kind, values)
                 .map_err(|error| RunError::Input(error.to_string()))?;
+            if let Some(told) = paths {
+                return clustered(built, *told);
+            }
             let density = Entry::truth(built).ok_or_else(|| {
                 RunError::Input(format!("the density {kind} does not have {D} dimensions"))
             })?;
@@ -252,6 +274,22 @@ where
     }
 }
 
+/// A density whose points come in paths.
+fn clustered<const D: usize>(centres: Truth, told: PathSpec) -> Result<Opened<D>, RunError>
+where
+    Entry: Builds<D>,
+{
+    let unfit = || RunError::Input("`paths` needs a mixture of normals on a line".to_owned());
+    let line = centres.line().ok_or_else(unfit)?;
+    let parts = line.normal_components().ok_or_else(unfit)?;
+    let source = Clustered::new(parts, told.hits, told.spread)
+        .map_err(|error| RunError::Input(error.to_string()))?;
+    let density = Entry::truth(Truth::Line(Arc::new(source.density().clone())));
+    let source = Entry::clustered(source);
+    let (density, source) = density.zip(source).ok_or_else(unfit)?;
+    Ok(Opened::Paths(density, source))
+}
+
 fn set_up<const D: usize>(
     experiment: &Experiment,
     source: &Opened<D>,
@@ -266,7 +304,7 @@ where
     }
     .map_err(|error| RunError::Input(error.to_string()))?;
     let density = match source {
-        Opened::Density(density) => Some(density.clone()),
+        Opened::Density(density) | Opened::Paths(density, _) => Some(density.clone()),
         Opened::Data(_) => None,
     };
     let truth = density
@@ -293,6 +331,11 @@ where
         grid,
         truth,
         estimators: estimators?,
+        uncertainties: experiment
+            .uncertainties
+            .iter()
+            .map(|spec| Entry::error_estimate(&spec.kind))
+            .collect(),
     })
 }
 
@@ -305,7 +348,7 @@ fn default_grid<const D: usize>(source: &Opened<D>) -> Result<Grid<D>, crate::sp
         return Grid::new(domain.low(), domain.high(), cells);
     }
     let (mut low, mut high) = match source {
-        Opened::Density(density) => density.bulk(1e-4),
+        Opened::Density(density) | Opened::Paths(density, _) => density.bulk(1e-4),
         Opened::Data(sample) => extent(sample),
     };
     for axis in 0..D {

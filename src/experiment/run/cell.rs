@@ -2,6 +2,7 @@
 
 use super::{Bench, Failure, RunError};
 use crate::accuracy::{Errors, Tally};
+use crate::experiment::uncertainty::Said;
 use crate::numeric::Sum;
 use crate::random;
 use crate::space::{Field, Point, RIPPLE, Raster, Targets, Warning, mode_count};
@@ -46,6 +47,9 @@ pub struct Record {
     pub warnings: Vec<(Warning, usize)>,
     /// The engine used, where there was a choice.
     pub engine: Option<String>,
+    /// What each estimate of the error said.
+    #[serde(default)]
+    pub said: Vec<Said>,
 }
 
 /// The replicates of a block.
@@ -68,6 +72,7 @@ pub(super) fn compute<const D: usize>(
         tally: Tally::default(),
         warnings: Vec::new(),
         engine: None,
+        said: vec![Said::default(); setting.uncertainties.len()],
     };
     for replicate in replicates(bench, cell.block) {
         if stop.load(Ordering::Relaxed) {
@@ -127,6 +132,18 @@ pub(super) fn compute<const D: usize>(
             modes: mode_count(&raster, RIPPLE.max(2.0 * evaluation.error)),
             smoothing: estimate.smoothing,
         });
+        for (said, uncertainty) in record.said.iter_mut().zip(&setting.uncertainties) {
+            let squared = uncertainty.squared(&**estimator, &sample, Targets::Grid(&setting.grid));
+            let mut squared = squared.map_err(|error| {
+                RunError::Estimator(Failure {
+                    estimator: cell.estimator,
+                    name: bench.experiment().estimators[cell.estimator].name.clone(),
+                    what: format!("on sample {replicate}: {error}"),
+                })
+            })?;
+            setting.restrict(&mut squared);
+            said.add(&squared, measure);
+        }
         match &setting.truth {
             Some(truth) => record.tally.add(values, truth),
             None => record.tally.add(values, &vec![0.0; values.len()]),

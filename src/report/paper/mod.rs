@@ -11,6 +11,7 @@ mod pictures;
 mod plane;
 mod sweep;
 mod tables;
+mod uncertain;
 
 pub use fine::Fine;
 
@@ -134,6 +135,7 @@ where
         table::pairs(results),
         table::curves(results, &first),
         table::claims(bench.experiment(), verdicts),
+        table::uncertainties(bench.experiment(), results),
     ] {
         if !table.rows.is_empty() {
             table.write(&tables)?;

@@ -1,6 +1,6 @@
 //! From the figures an experiment asks for to drawings.
 
-use super::{Draws, Fine, Material, Paper, efficiency, errors, sweep};
+use super::{Draws, Fine, Material, Paper, efficiency, errors, sweep, uncertain};
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::{Figure, FigureKind, SourceSpec};
 use crate::report::figure::{Axis, Curves, ModeCounts, Modes, Multiples, Role, Series, Small, Svg};
@@ -72,6 +72,9 @@ where
         FigureKind::Errors { measure } => Some(errors::draw(material, figure, group, measure)),
         FigureKind::Modes {} => Some(mode_counts(material, figure, group)),
         FigureKind::Sweep { of, mark } => Some(sweep::draw(material, figure, group, of, mark)),
+        FigureKind::Uncertainty { at, calibrated } => {
+            Some(uncertain::draw(material, figure, group, *at, *calibrated))
+        }
         _ => None,
     }
 }
