@@ -27,6 +27,7 @@ fn experiment() -> Experiment {
         name: "bimodal".to_owned(),
         kind: "bimodal".to_owned(),
         values: Values::default(),
+        paths: None,
     };
     Experiment {
         name: "test".to_owned(),
@@ -36,12 +37,14 @@ fn experiment() -> Experiment {
         sources: vec![source],
         draws: vec![50, 80],
         replicates: 64,
+        stop: None,
         grid: Some(GridSpec {
             low: vec![-4.0],
             high: vec![4.0],
             cells: vec![64],
         }),
         estimators: vec![kernel("narrow", 0.2), kernel("wide", 0.7)],
+        uncertainties: Vec::new(),
         figures: Vec::new(),
         claims: Vec::new(),
     }

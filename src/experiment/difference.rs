@@ -385,7 +385,9 @@ mod tests {
     #[test]
     fn pairing_finds_what_independent_samples_do_not() {
         let (x, mut y) = (values(1.0, 1), values(1.0, 1));
-        y.iter_mut().for_each(|y| *y += 0.01);
+        for value in &mut y {
+            *value += 0.01;
+        }
         let of = |paired| one(&key(), "mise", (&x, &y), paired, 0.99, 1e-9).verdict;
         assert_eq!((of(true), of(false)), (Verdict::Differs, Verdict::Open));
     }

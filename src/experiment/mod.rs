@@ -19,6 +19,7 @@ pub mod read;
 pub mod results;
 pub mod run;
 pub mod schema;
+pub mod stop;
 mod summary;
 pub mod table;
 pub mod uncertainty;
@@ -50,6 +51,9 @@ pub struct Experiment {
     pub draws: Vec<usize>,
     /// How many samples of each size; 1 for data files.
     pub replicates: usize,
+    /// When the run has seen enough before all replicates are done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop: Option<stop::StopRule>,
     /// Where estimates are evaluated and errors integrated; `None`: chosen for each source from its bulk or range.
     pub grid: Option<GridSpec>,
     /// The estimators, sweeps expanded, names distinct.

@@ -5,7 +5,7 @@
 
 use super::Measure;
 use super::catalogue;
-use super::read::{figure, form, grid, source, sweep, uncertainty, whole};
+use super::read::{figure, form, grid, source, stop, sweep, uncertainty, whole};
 use crate::density;
 use crate::parameter::{Absent, Kind, Parameter};
 use serde_json::{Map, Value, json};
@@ -48,6 +48,7 @@ fn top() -> Value {
                 json!({ "type": "integer", "minimum": 1, "maximum": super::read::REPLICATES })
             }
             "grid" => grid_schema(),
+            "stop" => table(stop::STOP),
             "estimator" => {
                 json!({ "type": "array", "minItems": 1, "items": estimator_schema() })
             }

@@ -4,6 +4,7 @@
 mod abramson;
 mod chance;
 mod density;
+mod doctor;
 mod engine;
 mod estimator;
 mod parametric;

@@ -80,6 +80,7 @@ mod tests {
             measures: BTreeMap::new(),
             expected: None,
             engine: None,
+            said: Vec::new(),
         }
     }
 

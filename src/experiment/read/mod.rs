@@ -28,6 +28,7 @@ mod names;
 mod setting;
 mod single;
 pub(crate) mod source;
+pub(crate) mod stop;
 pub(crate) mod sweep;
 mod trial;
 pub(crate) mod uncertainty;

@@ -9,6 +9,7 @@ use super::trial::try_building;
 use super::{CLAIMS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
 use super::{claim, figure, grid, source};
 use crate::experiment::budget::{self, Part};
+use crate::experiment::stop::StopRule;
 use crate::experiment::{Experiment, GridSpec};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -37,6 +38,10 @@ pub(crate) const KEYS: &[(&str, &str)] = &[
         "what is compared: a name and one kind with its settings",
     ),
     (
+        "stop",
+        "when the run has seen enough before all replicates are done",
+    ),
+    (
         "uncertainty",
         "what one sample says of its own error, held against the true one: a name and one kind with its settings",
     ),
@@ -57,6 +62,8 @@ struct Head<'d> {
     truth: Option<bool>,
     draws: Option<Vec<usize>>,
     replicates: Option<usize>,
+    /// None if it is absent or faulty, which has then been reported.
+    stop: Option<StopRule>,
     grid: Option<GridSpec>,
     /// Where the numbers stand that decide what the run needs.
     draws_entry: Option<Entry<'d>>,
@@ -112,6 +119,9 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
             .help("leave `replicates` out"),
         );
     }
+    let stop = top
+        .take("stop")
+        .and_then(|entry| super::stop::stop(reader, entry, truth, replicates));
     let grid_entry = top.take("grid");
     let dimensions = sources
         .as_ref()
@@ -125,6 +135,7 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
         truth,
         draws,
         replicates,
+        stop,
         grid,
         draws_entry,
         replicates_entry,
@@ -215,6 +226,7 @@ pub(super) fn experiment(
         sources: head.sources?.into_iter().map(|read| read.spec).collect(),
         draws: head.draws?,
         replicates: head.replicates?,
+        stop: head.stop,
         grid: head.grid,
         estimators: groups.into_iter().flat_map(|group| group.members).collect(),
         uncertainties: uncertainties?,

@@ -67,6 +67,7 @@ mod tests {
             tally,
             warnings: Vec::new(),
             engine: Some("direct".to_owned()),
+            said: Vec::new(),
         }
     }
 

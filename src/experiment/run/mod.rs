@@ -8,6 +8,7 @@ mod bench;
 mod cell;
 mod folder;
 mod journal;
+mod look;
 
 pub use bench::{Bench, Setting};
 pub use cell::{Cell, Record, Replicate};
@@ -101,6 +102,9 @@ impl Finished {
     }
 }
 
+/// A cell computed; nothing if the run was stopped before it.
+type Computed = Result<Option<(Cell, Record)>, RunError>;
+
 /// Does what is not in the journal of `folder` yet.
 ///
 /// An estimator that fails is left out, and the others go on. Its cells are not kept, so that it is tried again if the run is continued.
@@ -127,11 +131,6 @@ pub fn run<const D: usize>(
         |cells: &mut dyn Iterator<Item = &Cell>| cells.map(|cell| bench.units(cell)).sum::<u64>();
     progress.begin(units(&mut cells.iter()), units(&mut records.keys()));
 
-    let open: Vec<Cell> = cells
-        .iter()
-        .filter(|cell| !records.contains_key(cell))
-        .copied()
-        .collect();
     let finished = AtomicUsize::new(records.len());
     let failed: Vec<AtomicBool> = bench
         .experiment()
@@ -139,42 +138,63 @@ pub fn run<const D: usize>(
         .iter()
         .map(|_| AtomicBool::new(false))
         .collect();
-    let outcomes: Vec<Result<Option<(Cell, Record)>, RunError>> = open
-        .into_par_iter()
-        .map(|cell| {
-            // what has failed once is not tried again, which may take long
-            if stop.load(Ordering::Relaxed) || failed[cell.estimator].load(Ordering::Relaxed) {
-                return Ok(None);
+    let compute = |cell: Cell| {
+        // what has failed once is not tried again, which may take long
+        if stop.load(Ordering::Relaxed) || failed[cell.estimator].load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let computed = cell::compute(bench, cell, stop).inspect_err(|error| {
+            if let RunError::Estimator(failure) = error {
+                failed[failure.estimator].store(true, Ordering::Relaxed);
             }
-            let computed = cell::compute(bench, cell, stop).inspect_err(|error| {
-                if let RunError::Estimator(failure) = error {
-                    failed[failure.estimator].store(true, Ordering::Relaxed);
-                }
-            });
-            let Some(record) = computed? else {
-                return Ok(None);
-            };
-            journal::save(folder.journal(), cell, &record)?;
-            finished.fetch_add(1, Ordering::Relaxed);
-            progress.advance(bench.units(&cell));
-            Ok(Some((cell, record)))
-        })
-        .collect();
+        });
+        let Some(record) = computed? else {
+            return Ok(None);
+        };
+        journal::save(folder.journal(), cell, &record)?;
+        finished.fetch_add(1, Ordering::Relaxed);
+        progress.advance(bench.units(&cell));
+        Ok(Some((cell, record)))
+    };
     let mut failures: Vec<Failure> = Vec::new();
-    for outcome in outcomes {
-        match outcome {
-            Ok(Some((cell, record))) => {
-                records.insert(cell, record);
-            }
-            Ok(None) => {}
-            Err(RunError::Estimator(failure)) => {
-                if failures.iter().all(|f| f.estimator != failure.estimator) {
-                    failures.push(failure);
+    let mut enough = None;
+    let looks = look::looks(bench);
+    let mut reached = 0;
+    for (number, &look) in looks.iter().enumerate() {
+        reached = look;
+        let open: Vec<Cell> = cells
+            .iter()
+            .filter(|cell| cell.block < look && !records.contains_key(cell))
+            .copied()
+            .collect();
+        let outcomes: Vec<Computed> = open.into_par_iter().map(compute).collect();
+        for outcome in outcomes {
+            match outcome {
+                Ok(Some((cell, record))) => {
+                    records.insert(cell, record);
                 }
+                Ok(None) => {}
+                Err(RunError::Estimator(failure)) => {
+                    if failures.iter().all(|f| f.estimator != failure.estimator) {
+                        failures.push(failure);
+                    }
+                }
+                Err(error) => return Err(error),
             }
-            Err(error) => return Err(error),
+        }
+        if number + 1 < looks.len() && failures.is_empty() && !stop.load(Ordering::Relaxed) {
+            enough = look::enough(bench, &records, look, looks.len());
+            if enough.is_some() {
+                break;
+            }
         }
     }
+    // what a look left out is not missing, and what an earlier run did beyond it does not count
+    records.retain(|cell, _| cell.block < reached);
+    let cells: Vec<Cell> = cells
+        .into_iter()
+        .filter(|cell| cell.block < reached)
+        .collect();
     let lost = |cell: &Cell| failures.iter().any(|f| f.estimator == cell.estimator);
     records.retain(|cell, _| !lost(cell));
     if records.len() < cells.iter().filter(|cell| !lost(cell)).count() {
@@ -186,8 +206,25 @@ pub fn run<const D: usize>(
     if failures.len() == bench.experiment().estimators.len() && !failures.is_empty() {
         return Err(RunError::Estimator(failures.swap_remove(0)));
     }
+    let warnings = warnings(enough, &failures, &records);
+    Ok(Finished {
+        records,
+        warnings,
+        failures,
+    })
+}
+
+/// Everything that the reader should know, and on how many samples it came up.
+fn warnings(
+    enough: Option<Warning>,
+    failures: &[Failure],
+    records: &BTreeMap<Cell, Record>,
+) -> BTreeMap<Warning, usize> {
     let mut warnings = BTreeMap::new();
-    for failure in &failures {
+    if let Some(enough) = enough {
+        warnings.insert(enough, 1);
+    }
+    for failure in failures {
         let warning = Warning {
             what: format!(
                 "estimator \"{}\" failed {}; it is left out",
@@ -202,11 +239,7 @@ pub fn run<const D: usize>(
             *warnings.entry(warning.clone()).or_insert(0) += count;
         }
     }
-    Ok(Finished {
-        records,
-        warnings,
-        failures,
-    })
+    warnings
 }
 
 /// The number of replicates in one cell.
