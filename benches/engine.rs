@@ -1,15 +1,18 @@
 //! One question, all engines, growing n: what does the kernel estimate of n standard normal points cost?
 //!
 //! Data are made and samples checked outside the timed loop; what is timed is `prepare` and `evaluate` together, that is all work that depends
-//! on the data. Throughput is in points, so that a flat line is O(n). The histogram of the same data is the yardstick.
+//! on the data. Throughput is in points of a second of processor time (`processor_time.rs`), so that a flat line is O(n). The histogram of the same data is the yardstick.
 //!
 //! `cargo bench --bench engine -- 'gaussian on a grid'` runs one group, `-- hermite` one engine.
+
+mod processor_time;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use density_lab::engine::{Binned, Direct, Engine, Hermite, Interval, Sorted};
 use density_lab::kernel::{Bandwidth, KernelSum, Shape};
 use density_lab::sample::Sample;
 use density_lab::space::{Domain, Grid, Point, Targets, binning};
+use processor_time::ProcessorTime;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::hint::black_box;
@@ -112,17 +115,17 @@ fn sizes() -> impl Iterator<Item = usize> {
     (3..=7).map(|exponent| 10usize.pow(exponent))
 }
 
-fn grid(bench: &mut Criterion) {
+fn grid(bench: &mut Criterion<ProcessorTime>) {
     over_a_grid(bench, "gaussian on a grid", &on_a_grid());
     over_a_grid(bench, "compact on a grid", &compact_on_a_grid());
 }
 
-fn scattered(bench: &mut Criterion) {
+fn scattered(bench: &mut Criterion<ProcessorTime>) {
     over_the_data(bench, "gaussian at the data", &at_the_data());
     over_the_data(bench, "compact at the data", &compact_at_the_data());
 }
 
-fn over_a_grid(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
+fn over_a_grid(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[Contestant]) {
     let grid = Grid::new([-5.5], [5.5], [CELLS]).expect("legal");
     let mesh = binning::Mesh {
         origin: -5.5,
@@ -157,7 +160,7 @@ fn over_a_grid(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
     group.finish();
 }
 
-fn over_the_data(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
+fn over_the_data(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[Contestant]) {
     let mut group = bench.benchmark_group(name);
     group
         .sample_size(10)
@@ -182,5 +185,9 @@ fn over_the_data(bench: &mut Criterion, name: &str, contestants: &[Contestant]) 
     group.finish();
 }
 
-criterion_group!(benches, grid, scattered);
+criterion_group! {
+    name = benches;
+    config = ProcessorTime::criterion();
+    targets = grid, scattered
+}
 criterion_main!(benches);

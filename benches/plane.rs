@@ -1,14 +1,17 @@
 //! The kernel estimate of n standard normal points of the plane on a grid of 256 × 256 cells: what does each engine cost?
 //!
-//! Data are made and samples checked outside the timed loop; what is timed is `prepare` and `evaluate` together, on one thread unless RAYON_NUM_THREADS says otherwise.
+//! Data are made and samples checked outside the timed loop; what is timed is `prepare` and `evaluate` together, in processor time (`processor_time.rs`), on one thread unless RAYON_NUM_THREADS says otherwise.
 //!
 //! `cargo bench --bench plane -- 'product'` runs one group, `-- splat` one engine.
+
+mod processor_time;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use density_lab::engine::{Direct, Engine, Gather, HermiteGrid, Mesh, Splat};
 use density_lab::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use density_lab::sample::Sample;
 use density_lab::space::{Domain, Grid, Point, Targets};
+use processor_time::ProcessorTime;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::hint::black_box;
@@ -103,7 +106,7 @@ fn sum(points: &[Point<2>], line: &Contestant) -> KernelSum<2> {
         .with_symmetry(line.symmetry)
 }
 
-fn over_a_grid(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
+fn over_a_grid(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[Contestant]) {
     let grid = Grid::new([-4.0; 2], [4.0; 2], [CELLS; 2]).expect("legal");
     let mut group = bench.benchmark_group(name);
     group
@@ -129,7 +132,7 @@ fn over_a_grid(bench: &mut Criterion, name: &str, contestants: &[Contestant]) {
     group.finish();
 }
 
-fn all(bench: &mut Criterion) {
+fn all(bench: &mut Criterion<ProcessorTime>) {
     if std::env::var_os("RAYON_NUM_THREADS").is_none() {
         rayon::ThreadPoolBuilder::new()
             .num_threads(1)
@@ -141,5 +144,9 @@ fn all(bench: &mut Criterion) {
     over_a_grid(bench, "plane, gaussian", &gaussian());
 }
 
-criterion_group!(benches, all);
+criterion_group! {
+    name = benches;
+    config = ProcessorTime::criterion();
+    targets = all
+}
 criterion_main!(benches);

@@ -1,9 +1,11 @@
 //! What does choosing a bandwidth cost, beside the estimate itself?
 //!
-//! Samples of a bimodal density with growing n; throughput in points, so that a flat line is O(n). The yardstick is one binned estimate of the same data at a tolerance of
+//! Samples of a bimodal density with growing n; throughput in points of a second of processor time, so that a flat line is O(n). The yardstick is one binned estimate of the same data at a tolerance of
 //! 1e-6 on 1024 cells, as `lab estimate` would make it.
 //!
 //! `RAYON_NUM_THREADS=1 cargo bench --bench selector -- sheather-jones` runs one selector on one thread.
+
+mod processor_time;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use density_lab::engine::{Binned, Engine};
@@ -11,6 +13,7 @@ use density_lab::kernel::{Bandwidth, KernelSum, Shape};
 use density_lab::sample::Sample;
 use density_lab::selector::{CATALOGUE, named};
 use density_lab::space::{Domain, Grid, Targets};
+use processor_time::ProcessorTime;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use std::hint::black_box;
@@ -36,7 +39,7 @@ fn most(name: &str) -> usize {
     }
 }
 
-fn selectors(bench: &mut Criterion) {
+fn selectors(bench: &mut Criterion<ProcessorTime>) {
     let mut group = bench.benchmark_group("gaussian");
     group
         .sample_size(10)
@@ -68,7 +71,7 @@ fn selectors(bench: &mut Criterion) {
 }
 
 /// The criterion of least-squares cross-validation with a compact kernel at one bandwidth, the data sorted: O(n).
-fn compact(bench: &mut Criterion) {
+fn compact(bench: &mut Criterion<ProcessorTime>) {
     let mut group = bench.benchmark_group("compact, one bandwidth");
     group
         .sample_size(10)
@@ -92,5 +95,9 @@ fn compact(bench: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, selectors, compact);
+criterion_group! {
+    name = benches;
+    config = ProcessorTime::criterion();
+    targets = selectors, compact
+}
 criterion_main!(benches);

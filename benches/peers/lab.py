@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from work import CELLS, HIGH, LOW
+from work import CELLS, HIGH, LOW, REPEATS
 
 # Name in the table -> the works it can do, the engine it is told to use and its threads.
 GRIDS = ("gaussian-grid", "epanechnikov-grid")
@@ -39,12 +39,12 @@ def command(program, name, work, data, answer):
     engine = ["--engine", engine] if engine else []
     return [
         str(program), "estimate", str(data), "--estimator", estimator, *engine, *places,
-        "--threads", str(threads), "--explain", "-o", str(answer),
+        "--threads", str(threads), "--repeat", str(REPEATS), "--explain", "-o", str(answer),
     ]
 
 
 def measure(program, name, work, data, answer):
-    """Runs `lab` once. The estimation is its phases `fit` and `evaluate`; reading and writing are not counted."""
+    """Runs `lab` once. The estimation is its phases `fit` and `evaluate`, the median of their repetitions; reading and writing are not counted."""
     table = Path(answer).with_suffix(".csv")
     with tempfile.TemporaryFile("w+") as log:
         process = subprocess.Popen(
@@ -57,14 +57,13 @@ def measure(program, name, work, data, answer):
         text = log.read()
     if process.returncode != 0:
         return {"status": "failed", "detail": text.strip().splitlines()[-1] if text.strip() else "no message"}
-    phases = {
-        phase: (float(wall), float(cpu))
-        for phase, wall, cpu in re.findall(r"^phase (\S+) wall (\S+) cpu (\S+)", text, re.MULTILINE)
-    }
-    if not {"fit", "evaluate"} <= phases.keys():
+    phases = {"fit": [], "evaluate": []}
+    for phase, wall, cpu in re.findall(r"^phase (\S+) wall (\S+) cpu (\S+)", text, re.MULTILINE):
+        phases.setdefault(phase, []).append((float(wall), float(cpu)))
+    if not phases["fit"] or len(phases["fit"]) != len(phases["evaluate"]):
         return {"status": "failed", "detail": "no phases in the output of --explain"}
-    wall = phases["fit"][0] + phases["evaluate"][0]
-    cpu = phases["fit"][1] + phases["evaluate"][1]
+    runs = sorted((fit[1] + sums[1], fit[0] + sums[0]) for fit, sums in zip(phases["fit"], phases["evaluate"]))
+    cpu, wall = runs[(len(runs) - 1) // 2]
     densities(table, answer, work, data)
     return {
         "status": "ok", "version": version(program), "cpu": cpu, "wall": wall, "peak": usage.ru_maxrss * 1024,

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import environment
 import lab
-from work import CELLS, EXACT, HIGH, LOW, WORKS
+from work import CELLS, ENOUGH, EXACT, HIGH, LOW, REPEATS, WORKS
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -166,7 +166,7 @@ class Bench:
         if name in R_ROWS:
             if shutil.which("Rscript") is None:
                 return {"status": "not installed"}
-            call = ["Rscript", "--vanilla", "worker.R", name, work.at, data, answer, LOW, HIGH, CELLS, work.kernel, work.bandwidth]
+            call = ["Rscript", "--vanilla", "worker.R", name, work.at, data, answer, LOW, HIGH, CELLS, work.kernel, work.bandwidth, REPEATS, ENOUGH]
         else:
             call = [environment.PYTHON, "worker.py", name, work.name, data, answer]
         try:

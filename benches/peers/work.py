@@ -11,6 +11,10 @@ LAST = HIGH - STEP / 2
 
 SEEDS = {"normal": 19860101, "bimodal": 19860102}
 
+# In its process a program estimates so often, or until so many seconds are gone, and the median counts.
+REPEATS = 5
+ENOUGH = 1.0
+
 # A program whose answer is within this of the definition, relative to the peak, counts as exact.
 EXACT = 1e-9
 

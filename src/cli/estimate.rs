@@ -14,6 +14,7 @@ use crate::sample::Sample;
 use crate::sample::file::{Column, Request, read, read_points};
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets};
 use clap::Args;
+use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 
 /// Estimate a density from the points of a file
@@ -72,6 +73,15 @@ pub struct Estimate {
     /// Say on stderr how it was computed, and the time of each phase
     #[arg(long)]
     explain: bool,
+
+    /// Estimate so many times, for measuring with --explain: the first time pays for new memory and sleeping processors
+    #[arg(
+        long,
+        value_name = "TIMES",
+        default_value = "1",
+        hide_default_value = true
+    )]
+    repeat: NonZeroU16,
 
     /// Where to: a .csv file, or an .svg picture [default: CSV on stdout]
     #[arg(short, long, value_name = "OUT")]
@@ -146,35 +156,43 @@ impl Estimate {
         let mut output = Output::open(self.output.as_deref())?;
         let mut phases = Phases::default();
 
-        let (sample, given) = phases.time("read", || self.read())?;
-        // what an estimator puts off until it is asked is done under `evaluate`
-        let (estimate, continuous) = phases.time("fit", || -> Result<_, Stop> {
-            let context = Context {
-                truth: None,
-                draws: sample.len(),
-            };
-            let estimator = settings.build(&context)?;
-            let estimate = estimator
-                .fit(&sample)
-                .map_err(|error| Stop::Input(format!("--estimator: {error}")))?;
-            Ok((estimate, estimator.laws().continuous))
-        })?;
-        let (places, evaluation) = phases.time("evaluate", || -> Result<_, Stop> {
-            let places = match given {
-                Some(places) => places,
-                None => Places::Grid(around(&sample, estimate.smoothing)?),
-            };
-            let evaluation = estimate.evaluate(places.targets());
-            if let Some(why) = &evaluation.failure {
-                return Err(Stop::Input(format!("--estimator: {why}")));
+        let (sample, mut given) = phases.time("read", || self.read())?;
+        let mut left = self.repeat.get();
+        let (estimate, continuous, places, evaluation) = loop {
+            // what an estimator puts off until it is asked is done under `evaluate`
+            let (estimate, continuous) = phases.time("fit", || -> Result<_, Stop> {
+                let context = Context {
+                    truth: None,
+                    draws: sample.len(),
+                };
+                let estimator = settings.build(&context)?;
+                let estimate = estimator
+                    .fit(&sample)
+                    .map_err(|error| Stop::Input(format!("--estimator: {error}")))?;
+                Ok((estimate, estimator.laws().continuous))
+            })?;
+            let (places, evaluation) = phases.time("evaluate", || -> Result<_, Stop> {
+                let places = match given.take() {
+                    Some(places) => places,
+                    None => Places::Grid(around(&sample, estimate.smoothing)?),
+                };
+                let evaluation = estimate.evaluate(places.targets());
+                if let Some(why) = &evaluation.failure {
+                    return Err(Stop::Input(format!("--estimator: {why}")));
+                }
+                if let Some(bad) = evaluation.values.iter().find(|value| !value.is_finite()) {
+                    return Err(Stop::Input(format!(
+                        "--estimator: the estimate is {bad} somewhere: its scale is beyond what numbers can hold"
+                    )));
+                }
+                Ok((places, evaluation))
+            })?;
+            left -= 1;
+            if left == 0 {
+                break (estimate, continuous, places, evaluation);
             }
-            if let Some(bad) = evaluation.values.iter().find(|value| !value.is_finite()) {
-                return Err(Stop::Input(format!(
-                    "--estimator: the estimate is {bad} somewhere: its scale is beyond what numbers can hold"
-                )));
-            }
-            Ok((places, evaluation))
-        })?;
+            given = Some(places);
+        };
         phases.time("write", || {
             if drawn {
                 let picture = Sketch {

@@ -149,10 +149,15 @@ impl<const D: usize> Sample<D> {
         if points.is_empty() {
             return Err(SampleError::Empty);
         }
-        for (index, point) in points.iter().enumerate() {
-            if !domain.contains(*point) || !point.iter().all(|x| x.is_finite()) {
-                return Err(Self::misplaced(index, *point, &domain));
+        let legal = |point: &Point<D>| {
+            let mut finite = true;
+            for x in point {
+                finite &= x.is_finite();
             }
+            finite && domain.contains(*point)
+        };
+        if let Some(index) = points.iter().position(|point| !legal(point)) {
+            return Err(Self::misplaced(index, points[index], &domain));
         }
         let (mass, effective_size) = Self::measure(&points, &weights)?;
         Ok(Self {

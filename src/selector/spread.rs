@@ -19,6 +19,9 @@ const BLOCK: usize = 4096;
 /// Samples below this are simply copied to find their quartiles.
 const SMALL: usize = 1 << 14;
 
+/// Data among which those near a quartile are looked for at one go.
+const RUN: usize = 64;
+
 /// Cells that are counted to find the quartiles of large samples.
 const CELLS: usize = 4096;
 
@@ -129,20 +132,19 @@ fn interquartile_range(x: &[f64], least: f64, most: f64) -> f64 {
         let place = p * (n - 1) as f64;
         (place.floor() as usize, place.fract())
     };
-    let [low, high] = [0.25, 0.75].map(|p| {
-        let (rank, beyond) = at(p);
-        let [below, above] = neighbours(x, least, most, rank);
-        (below, beyond * (above - below))
-    });
-    (high.0 - low.0) + (high.1 - low.1)
+    let [low, high] = [at(0.25), at(0.75)];
+    let found = neighbours(x, least, most, [low.0, high.0]);
+    let between = |[below, above]: [f64; 2], beyond: f64| beyond * (above - below);
+    (found[1][0] - found[0][0]) + (between(found[1], high.1) - between(found[0], low.1))
 }
 
-/// The order statistics `rank` and `rank` + 1 (or `rank` again at the end), counted from 0.
-fn neighbours(x: &[f64], least: f64, most: f64, rank: usize) -> [f64; 2] {
+/// The order statistics `rank` and `rank` + 1 (or `rank` again at the end), counted from 0, for two ranks in ascending order.
+fn neighbours(x: &[f64], least: f64, most: f64, ranks: [usize; 2]) -> [[f64; 2]; 2] {
     let n = x.len();
     let width = (most - least) / CELLS as f64;
     if n < SMALL || !width.is_normal() {
-        return among(&mut x.to_vec(), rank);
+        let mut all = x.to_vec();
+        return ranks.map(|rank| among(&mut all, rank));
     }
     let counts = count(
         x,
@@ -153,33 +155,43 @@ fn neighbours(x: &[f64], least: f64, most: f64, rank: usize) -> [f64; 2] {
             count: CELLS,
         },
     );
-    // the cells that hold the two ranks, and half a cell more for the rounding of edges
-    let mut before = counts.below as usize;
-    let (mut first, mut last) = (None, CELLS);
-    for (cell, &inside) in counts.inside.iter().enumerate() {
-        before += inside as usize;
-        if first.is_none() && before > rank {
-            first = Some(cell);
+    // the cells that hold a rank and the next, and half a cell more for the rounding of edges
+    let places = ranks.map(|rank| {
+        let mut before = counts.below as usize;
+        let (mut first, mut last) = (None, CELLS);
+        for (cell, &inside) in counts.inside.iter().enumerate() {
+            before += inside as usize;
+            if first.is_none() && before > rank {
+                first = Some(cell);
+            }
+            if before > rank + 1 {
+                last = cell;
+                break;
+            }
         }
-        if before > rank + 1 {
-            last = cell;
-            break;
+        let low = (first.unwrap_or(CELLS) as f64 - 0.5).mul_add(width, least);
+        (low, (last as f64 + 1.5).mul_add(width, least))
+    });
+    let mut below = [0; 2];
+    let mut near = [Vec::new(), Vec::new()];
+    // short runs, so that those where nothing is near, which is nearly all, need no branch for each datum
+    for run in x.chunks(RUN) {
+        for (place, (below, near)) in places.iter().zip(below.iter_mut().zip(&mut near)) {
+            let (mut under, mut upto) = (0_u64, 0_u64);
+            for x in run {
+                under += u64::from(*x < place.0);
+                upto += u64::from(*x <= place.1);
+            }
+            *below += under as usize;
+            if upto > under {
+                near.extend(run.iter().filter(|x| **x >= place.0 && **x <= place.1));
+            }
         }
     }
-    let low = (first.unwrap_or(CELLS) as f64 - 0.5).mul_add(width, least);
-    let high = (last as f64 + 1.5).mul_add(width, least);
-    let mut below = 0;
-    let mut near = Vec::new();
-    for &x in x {
-        below += usize::from(x < low);
-        if x >= low && x <= high {
-            near.push(x);
-        }
-    }
-    match rank.checked_sub(below) {
-        Some(rank) if rank + 1 < near.len() => among(&mut near, rank),
-        _ => among(&mut x.to_vec(), rank),
-    }
+    [0, 1].map(|k| match ranks[k].checked_sub(below[k]) {
+        Some(rank) if rank + 1 < near[k].len() => among(&mut near[k], rank),
+        _ => among(&mut x.to_vec(), ranks[k]),
+    })
 }
 
 fn among(x: &mut [f64], rank: usize) -> [f64; 2] {

@@ -338,6 +338,30 @@ impl<'a, const D: usize> Rows<'a, D> {
         Ok(())
     }
 
+    /// Takes `count` rows without weights if all of them are legal, at the speed of memory; takes none and says so if one is not.
+    fn push_all(
+        &mut self,
+        count: usize,
+        points: impl Iterator<Item = Point<D>>,
+    ) -> Result<bool, FileError> {
+        let before = self.points.len();
+        if self.points.capacity() - before < count {
+            self.reserve((before as u64 / 2).max(count as u64))?;
+        }
+        self.points.extend(points);
+        let mut legal = true;
+        for point in &self.points[before..] {
+            for x in point {
+                legal &= x.is_finite();
+            }
+            legal &= self.request.domain.contains(*point);
+        }
+        if !legal {
+            self.points.truncate(before);
+        }
+        Ok(legal)
+    }
+
     #[cold]
     fn fault(&self, line: u64, layout: &Layout<D>, point: Point<D>, weight: f64) -> FileError {
         let domain = &self.request.domain;

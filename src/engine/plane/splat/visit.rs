@@ -100,67 +100,52 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
             rows,
             open,
         } = self;
-        let [first_x, first_y] = [frame.x[0], frame.y[0]];
+        // written with numbered loops: closures and adaptors of iterators are functions, and one that is not inlined is not compiled for wide registers
+        let (first_x, first_y) = (frame.x[0], frame.y[0]);
         let limit = frame.radius * frame.radius;
         let mut across = vec![[0.0; LANES]; frame.stride.div_ceil(LANES)];
         let mut down = vec![[0.0; LANES]; rows.len().div_ceil(LANES)];
         let mut squares = down.clone();
         let all = 0..frame.columns;
+        let mut size = Size::new(frame, frame.h);
         for d in 0..data.x.len() {
             let (x, y) = (data.x[d], data.y[d]);
             let mut weight = data.weight.map_or(1.0, |w| w[d]);
-            let h = match data.width {
-                Some(widths) => {
-                    weight = weight / widths[d] / widths[d];
-                    [widths[d]; 2]
-                }
-                None => frame.h,
-            };
-            let reach = [0, 1].map(|axis| frame.radius * h[axis] * frame.inverse[axis]);
+            if let Some(widths) = data.width {
+                weight = weight / widths[d] / widths[d];
+                size = Size::new(frame, [widths[d]; 2]);
+            }
             let t = (x - first_x) * frame.inverse[0];
-            let (top, bottom) = Frame::span(t, reach[0] + frame.slop[0], &rows);
+            let (top, bottom) = Frame::span(t, size.reach[0] + frame.slop[0], &rows);
             let place = (y - first_y) * frame.inverse[1];
-            let (left, right) = Frame::span(place, reach[1] + frame.slop[1], &all);
+            let (left, right) = Frame::span(place, size.reach[1] + frame.slop[1], &all);
             if top >= bottom || left >= right {
                 continue;
             }
-            // (x - X) / h as in the definition where the kernel jumps; one multiplication where that is as good
-            let scaled = |difference: f64, axis: usize, inverse: [f64; 2]| {
-                if P::JUMPS {
-                    difference / h[axis]
-                } else {
-                    difference * inverse[axis]
-                }
-            };
-            let inverse = h.map(f64::recip);
             let blocks = if NARROW {
                 1
             } else {
                 (right - left).div_ceil(LANES)
             };
             // each block is read, computed and written as a whole: registers know nothing of overlap
-            for (k, block) in across[..blocks].iter_mut().enumerate() {
-                let centres = lanes(&frame.y, left + k * LANES);
-                *block = centres.map(|centre| {
-                    let v = scaled(centre - y, 1, inverse);
-                    if PRODUCT { profile.bare(v * v) } else { v * v }
-                });
-            }
-            let blocks_down = (bottom - top).div_ceil(LANES);
-            for (k, (down, squares)) in down
-                .iter_mut()
-                .zip(&mut squares)
-                .take(blocks_down)
-                .enumerate()
-            {
-                let centres = lanes(&frame.x, top + k * LANES);
-                *squares = centres.map(|centre| {
-                    let u = scaled(centre - x, 0, inverse);
-                    u * u
-                });
-                if PRODUCT {
-                    *down = squares.map(|square| weight * profile.bare(square));
+            for k in 0..blocks {
+                let mut block = lanes(&frame.y, left + k * LANES);
+                for l in 0..LANES {
+                    let v = size.scaled::<P>(block[l] - y, 1);
+                    block[l] = if PRODUCT { profile.bare(v * v) } else { v * v };
                 }
+                across[k] = block;
+            }
+            for k in 0..(bottom - top).div_ceil(LANES) {
+                let (mut square, mut value) = (lanes(&frame.x, top + k * LANES), [0.0; LANES]);
+                for l in 0..LANES {
+                    let u = size.scaled::<P>(square[l] - x, 0);
+                    square[l] = u * u;
+                    if PRODUCT {
+                        value[l] = weight * profile.bare(square[l]);
+                    }
+                }
+                (squares[k], down[k]) = (square, value);
             }
             let (down, squares) = (down.as_flattened(), squares.as_flattened());
             for i in top..bottom {
@@ -182,7 +167,7 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
                         continue;
                     }
                     let half =
-                        reach[1] * (if rest > 0.0 { rest } else { 0.0 } / limit).sqrt() + 1.0;
+                        size.reach[1] * (if rest > 0.0 { rest } else { 0.0 } / limit).sqrt() + 1.0;
                     let (from, to) = Frame::span(place, half, &(left..right));
                     if from >= to {
                         continue;
@@ -191,10 +176,45 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
                 };
                 let (row, _) =
                     open[start + from * LANES..start + to * LANES].as_chunks_mut::<LANES>();
-                for (row, across) in row.iter_mut().zip(&across[from..to]) {
-                    add::<P, PRODUCT>(profile, row, across, here, square, weight);
+                let across = &across[from..to];
+                for k in 0..row.len().min(across.len()) {
+                    add::<P, PRODUCT>(profile, &mut row[k], &across[k], here, square, weight);
                 }
             }
+        }
+    }
+}
+
+/// A width as the grid sees it.
+#[derive(Clone, Copy)]
+struct Size {
+    h: [f64; 2],
+    /// 1 / h.
+    inverse: [f64; 2],
+    /// In cells.
+    reach: [f64; 2],
+}
+
+impl Size {
+    #[inline(always)]
+    fn new(frame: &Frame, h: [f64; 2]) -> Self {
+        Self {
+            h,
+            inverse: [1.0 / h[0], 1.0 / h[1]],
+            reach: [
+                frame.radius * h[0] * frame.inverse[0],
+                frame.radius * h[1] * frame.inverse[1],
+            ],
+        }
+    }
+
+    /// (x - X) / h as in the definition where the kernel jumps; one multiplication where that is as good.
+    #[inline(always)]
+    fn scaled<P: Profile>(&self, difference: f64, axis: usize) -> f64 {
+        if P::JUMPS {
+            difference / self.h[axis]
+        } else {
+            difference * self.inverse[axis]
         }
     }
 }
