@@ -43,6 +43,7 @@ fn experiment() -> Experiment {
             high: vec![4.0],
             cells: vec![64],
         }),
+        interval: None,
         estimators: vec![kernel("narrow", 0.2), kernel("wide", 0.7)],
         uncertainties: Vec::new(),
         figures: Vec::new(),

@@ -8,6 +8,7 @@
 //! | energy | ∫f̂ / ∫f | `errors.rs` |
 //! | MISE, MIAE, MIRE | their means over samples, with standard errors | `interval.rs` |
 //! | medians and shares | of the replicates, with intervals | `interval.rs` |
+//! | coverage | how often an interval about an estimate holds its mean, and the truth | `coverage.rs` |
 //! | ∫bias², ∫variance | from the pointwise moments of f̂ - f over samples | `tally.rs` |
 //! | ê² | an estimate of the squared error at each place from one sample, without the truth | `local.rs` |
 //! | M, rank correlation | how well ê² follows e² | `calibration.rs` |
@@ -17,6 +18,7 @@
 
 mod calibration;
 pub mod chance;
+mod coverage;
 mod errors;
 mod interval;
 mod local;
@@ -24,6 +26,7 @@ mod paired;
 mod tally;
 
 pub use calibration::{Calibration, rank_correlation};
+pub use coverage::{Coverage, coverage_with_bias, reach};
 pub use errors::{Errors, RELATIVE_FLOOR};
 pub use interval::{
     Interval, fewest_for_median, mean_interval, median_interval, share_interval, sidak,

@@ -1,10 +1,13 @@
-//! Exact mean and variance of a corrected estimate on a line.
+//! Exact mean and variance of a corrected estimate.
 
 use super::moments::walls;
 use super::{Boundary, Bump};
-use crate::density::Density;
-use crate::kernel::{Kernel, Shape};
-use crate::theory::{Moments, equivalent_moments};
+use crate::density::{Bivariate, Density};
+use crate::kernel::{Kernel, Shape, Symmetry};
+use crate::space::Point;
+use crate::theory::{
+    Moments, Support, equivalent_moments, plane_equivalent_moments, plane_kernel_moments,
+};
 
 /// E f̂(x) and var f̂(x) of the kernel estimate with the kernel `bump`, corrected by `boundary` on the domain of `truth`, from `draws` points.
 /// `None` for a treatment that is not linear. Some thousand evaluations of the density.
@@ -55,5 +58,56 @@ pub fn corrected_moments(
             0.125 * h.min(high - low)
         },
         draws as f64,
+    ))
+}
+
+/// The same in the plane, on boxes and polygons, by quadrature over what the walls leave of the support of the kernel.
+///
+/// Good to some 1e-9 of the peak for a smooth density; to some 1e-4 where the kernel is not smooth inside that: round kernels that are mirrored, and each point's
+/// own share of a kernel near a wall (normalise-points). Away from the walls at the price of a plain estimate, else of some thousand kernels.
+pub fn corrected_moments_in_plane(
+    boundary: &dyn Boundary<2>,
+    bump: &Bump<2>,
+    truth: &dyn Bivariate,
+    draws: f64,
+    x: Point<2>,
+) -> Option<Moments> {
+    let domain = truth.domain();
+    let kernel = boundary.equivalent(bump, domain, x)?;
+    if !domain.contains(x) && boundary.name() != "ignore" {
+        return Some(Moments {
+            mean: 0.0,
+            variance: 0.0,
+        });
+    }
+    // nothing is corrected where neither the target nor any point that it feels is near a wall
+    let twice = Bump {
+        width: bump.width.map(|h| 2.0 * h),
+        ..*bump
+    };
+    if twice.is_clear(domain, x) {
+        let Bump {
+            shape,
+            symmetry,
+            width,
+        } = *bump;
+        return Some(plane_kernel_moments(
+            truth, shape, symmetry, width, draws, x,
+        ));
+    }
+    let gaussian = bump.shape == Shape::Gaussian;
+    let support = Support {
+        centre: x,
+        reach: bump.reach(),
+        round: gaussian || bump.symmetry == Symmetry::Radial,
+    };
+    let [h, k] = bump.width;
+    let longest = if gaussian { h.min(k) } else { 0.5 * h.min(k) };
+    // on the rim rounding must not decide between all and nothing
+    let inward =
+        |y: Point<2>| [0, 1].map(|i: usize| x[i] + (y[i] - x[i]) * (1.0 - 4.0 * f64::EPSILON));
+    let value = |y: Point<2>| kernel(inward(y));
+    Some(plane_equivalent_moments(
+        truth, value, support, longest, draws,
     ))
 }

@@ -28,7 +28,7 @@ mod within;
 mod wrap;
 
 pub use bump::Bump;
-pub use expectation::corrected_moments;
+pub use expectation::{corrected_moments, corrected_moments_in_plane};
 pub use ignore::Ignore;
 pub use local_linear::LocalLinear;
 pub use moments::DomainMoments;

@@ -10,6 +10,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The confidence of an interval.
+pub fn confidence(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if (0.5..=0.9999).contains(&x) => Ok(x),
+        _ => Err("allowed is a number from 0.5 to 0.9999, such as 0.95".to_owned()),
+    }
+}
+
 /// A whole number from 1: `1000`, `1_000` or `1e3`.
 pub fn count(text: &str) -> Result<u64, String> {
     let plain = text.trim().replace('_', "");
@@ -98,6 +106,14 @@ pub fn domains(text: &str) -> Result<Each<Domain<1>>, String> {
 /// `LO:HI:N` or `LO:HI:N,LO:HI:N`.
 pub fn grids(text: &str) -> Result<Each<Grid<1>>, String> {
     each(text, grid)
+}
+
+/// `X` or `X,Y`.
+pub fn place(text: &str) -> Result<Each<f64>, String> {
+    each(text, |text| match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err("allowed is X, or X,Y in the plane, in finite numbers".to_owned()),
+    })
 }
 
 #[cfg(test)]

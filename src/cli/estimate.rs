@@ -7,6 +7,7 @@ use super::output::{Output, Shortest};
 use super::phases::Phases;
 use super::sketch::{Draws, Sketch};
 use super::stop::Stop;
+use crate::accuracy::reach;
 use crate::estimator::Context;
 use crate::experiment::GridSpec;
 use crate::experiment::catalogue::{Builds, Entry};
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Estimate a density from the points of a file
 ///
 /// Reads one column of a CSV file or of a NumPy array, or two for data in the plane, fits an estimator and writes the columns x, density or
-/// x, y, density. Without --grid or --at the estimate is
+/// x, y, density (and lower, upper with --interval). Without --grid or --at the estimate is
 /// given at the centres of 512 equal cells (128 by 128 in the plane) over the range of the data and three bandwidths more on each side (a quarter of the range where
 /// the estimator has no bandwidth), cut at the walls of --domain.
 #[derive(Debug, Args)]
@@ -65,6 +66,11 @@ pub struct Estimate {
     /// Estimate at the places in this file: its columns of the same names, or x (and y), or the only one
     #[arg(long, value_name = "TARGETS", conflicts_with = "grid")]
     at: Option<PathBuf>,
+
+    /// Add the columns lower and upper: an interval of this confidence at each place, such as 0.95. It is about the mean of the estimate, that is the density as
+    /// the kernel smooths it: how far that is from the density itself it does not know
+    #[arg(long, value_name = "CONFIDENCE", value_parser = argument::confidence)]
+    interval: Option<f64>,
 
     /// How to compute a kernel sum; by default the cheapest way within the tolerance
     #[arg(long, value_name = "NAME")]
@@ -153,14 +159,19 @@ impl Estimate {
                 "a map needs a grid: give --grid instead of --at, or write a .csv file".to_owned(),
             ));
         }
+        if drawn && self.interval.is_some() {
+            return Err(Stop::Input(
+                "--interval adds columns to a table: write a .csv file".to_owned(),
+            ));
+        }
         let mut output = Output::open(self.output.as_deref())?;
         let mut phases = Phases::default();
 
         let (sample, mut given) = phases.time("read", || self.read())?;
         let mut left = self.repeat.get();
-        let (estimate, continuous, places, evaluation) = loop {
+        let (estimator, estimate, places, evaluation) = loop {
             // what an estimator puts off until it is asked is done under `evaluate`
-            let (estimate, continuous) = phases.time("fit", || -> Result<_, Stop> {
+            let (estimator, estimate) = phases.time("fit", || -> Result<_, Stop> {
                 let context = Context {
                     truth: None,
                     draws: sample.len(),
@@ -169,7 +180,7 @@ impl Estimate {
                 let estimate = estimator
                     .fit(&sample)
                     .map_err(|error| Stop::Input(format!("--estimator: {error}")))?;
-                Ok((estimate, estimator.laws().continuous))
+                Ok((estimator, estimate))
             })?;
             let (places, evaluation) = phases.time("evaluate", || -> Result<_, Stop> {
                 let places = match given.take() {
@@ -189,21 +200,34 @@ impl Estimate {
             })?;
             left -= 1;
             if left == 0 {
-                break (estimate, continuous, places, evaluation);
+                break (estimator, estimate, places, evaluation);
             }
             given = Some(places);
+        };
+        let interval = match self.interval {
+            Some(confidence) => phases.time("interval", || {
+                let places: Vec<Point<D>> = places.targets().places().collect();
+                let variance = estimator.variance(&estimate, &sample, &places);
+                let reach = reach(confidence);
+                let half: Option<Vec<f64>> =
+                    variance.map(|v| v.iter().map(|v| reach * v.sqrt()).collect());
+                half.map(Some).ok_or_else(|| {
+                    Stop::Input("--interval: no interval is known for this estimator and these data; it is for kernel estimates with one bandwidth from two points or more".to_owned())
+                })
+            })?,
+            None => None,
         };
         phases.time("write", || {
             if drawn {
                 let picture = Sketch {
                     name: settings.name(),
                     columns: &self.column,
-                    continuous,
+                    continuous: estimator.laws().continuous,
                 }
                 .draw(&sample, &places, &evaluation.values);
                 output.write_all(picture.as_bytes())?;
             } else {
-                table(&mut output, &places, &evaluation)?;
+                table(&mut output, &places, &evaluation, interval.as_deref())?;
             }
             output.finish()
         })?;
@@ -300,17 +324,21 @@ fn table<const D: usize>(
     output: &mut Output,
     places: &Places<D>,
     evaluation: &Evaluation,
+    half: Option<&[f64]>,
 ) -> Result<(), Stop> {
-    output.write_all(if D == 1 {
-        b"x,density\n"
-    } else {
-        &b"x,y,density\n"[..]
-    })?;
-    for (place, &density) in places.targets().places().zip(&evaluation.values) {
+    let bounds = if half.is_some() { ",lower,upper" } else { "" };
+    let axes = if D == 1 { "x" } else { "x,y" };
+    writeln!(output, "{axes},density{bounds}")?;
+    for (i, (place, &density)) in (places.targets().places().zip(&evaluation.values)).enumerate() {
         for coordinate in place {
             write!(output, "{},", Shortest(coordinate))?;
         }
-        writeln!(output, "{}", Shortest(density))?;
+        write!(output, "{}", Shortest(density))?;
+        if let Some(half) = half {
+            let (lower, upper) = (density - half[i], density + half[i]);
+            write!(output, ",{},{}", Shortest(lower), Shortest(upper))?;
+        }
+        writeln!(output)?;
     }
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! The histogram of the plane: rectangular bins on a lattice that may be turned.
 
 use super::{
-    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Histogram, Laws, Moments,
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Histogram, Laws,
+    Moments,
 };
 use crate::density::Density;
 use crate::numeric::Sum;
@@ -127,6 +128,17 @@ impl Estimator<2> for HistogramPlane {
         let [x, y] = self.lattice.widths;
         estimate.smoothing = Some((x * y).sqrt());
         Ok(estimate)
+    }
+
+    /// Square bins with the same origin on both axes.
+    fn family(&self) -> Option<Family> {
+        let Lattice { widths, origin, .. } = self.lattice;
+        let same = |pair: [f64; 2]| pair[0].total_cmp(&pair[1]).is_eq();
+        let known = !self.lattice.is_turned() && same(widths) && same(origin);
+        known.then_some(Family::ShiftedHistogram {
+            shifts: 1,
+            origin: origin[0],
+        })
     }
 
     /// Counts are binomial; bins that are turned have no closed probability.

@@ -174,8 +174,20 @@ pub trait Estimator<const D: usize>: Send + Sync {
         None
     }
 
+    /// The variance of `estimate`, which this estimator has made of `sample`, at each of `places`, estimated from the very sample: what an interval about
+    /// the estimate is made from. `None` where no such estimate is known. Widths that were chosen from the data count as if they had been given.
+    fn variance(
+        &self,
+        estimate: &Estimate<D>,
+        sample: &Sample<D>,
+        places: &[Point<D>],
+    ) -> Option<Vec<f64>> {
+        let _ = (estimate, sample, places);
+        None
+    }
+
     /// All that it is but for its bandwidth or width, where theory knows the exact error of each member and so the best one; whether
-    /// the width is a number or chosen from the data does not matter. Only on a line.
+    /// the width is a number or chosen from the data does not matter.
     fn family(&self) -> Option<Family> {
         None
     }

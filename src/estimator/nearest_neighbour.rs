@@ -1,7 +1,9 @@
 //! The k-nearest-neighbour estimator in its three conventions.
 
 use super::balloon::{Ball, Rule, fit};
-use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
+use super::{
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
 use crate::density::Density;
 use crate::neighbour::{Scratch, Searchable};
 use crate::parameter::{Absent, Kind, Parameter, Values};
@@ -91,6 +93,10 @@ where
         places: &[Point<D>],
     ) -> Option<Vec<Moments>> {
         neighbour_moments(truth, self.k, self.convention, draws, places)
+    }
+
+    fn family(&self) -> Option<Family> {
+        (self.convention != Convention::MeanRadius).then_some(Family::Neighbour(self.convention))
     }
 }
 

@@ -127,7 +127,16 @@ pub(super) fn best(
     };
     let draws = context.draws as f64;
     let best = match word {
-        "oracle" => family.optimum(truth, draws).at,
+        "oracle" => {
+            family
+                .optimum(truth, draws)
+                .ok_or_else(|| {
+                    error(format!(
+                        "\"{word}\": no best {parameter} is known; give a number"
+                    ))
+                })?
+                .at
+        }
         _ => family
             .asymptotic(truth, draws)
             .map_err(|why| error(format!("\"{word}\": {why}; give a number or \"oracle\"")))?

@@ -25,6 +25,10 @@ pub enum Measure {
     Modes,
     /// The bandwidth or width used.
     Smoothing,
+    /// MISE over that of the best of its family: with the bandwidth, width, k or number of terms of least exact MISE over the whole line or plane.
+    OverBest,
+    /// MISE over that of a kernel estimate with the best bandwidth at each place, which no estimate of one bandwidth can reach.
+    OverLocalBest,
     /// The exact expectation of [`Measure::Mise`], by theory.
     ExactMise,
     /// The exact ∫ bias².
@@ -35,7 +39,7 @@ pub enum Measure {
 
 impl Measure {
     /// All measures.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Mise,
         Self::Miae,
         Self::Mire,
@@ -44,6 +48,8 @@ impl Measure {
         Self::Energy,
         Self::Modes,
         Self::Smoothing,
+        Self::OverBest,
+        Self::OverLocalBest,
         Self::ExactMise,
         Self::ExactBias2,
         Self::ExactVariance,
@@ -60,6 +66,8 @@ impl Measure {
             Self::Energy => "energy",
             Self::Modes => "modes",
             Self::Smoothing => "smoothing",
+            Self::OverBest => "over-best",
+            Self::OverLocalBest => "over-local-best",
             Self::ExactMise => "exact-mise",
             Self::ExactBias2 => "exact-bias2",
             Self::ExactVariance => "exact-variance",
@@ -198,6 +206,37 @@ pub enum Statement {
         /// Confidence of the interval; 0.99 if not given.
         confidence: f64,
     },
+    /// `slope = { of = A, [measure = M], (equals = V | agrees-with = "exact"), margin = ABS, [confidence = P] }`: the exponent with which the measure falls as samples grow, the
+    /// least squares slope of its logarithm over that of n through all of the experiment's sizes, lies within the margin with its whole interval. The exact
+    /// slope is that of the exact values at the same sizes, not the one for endless samples.
+    Slope {
+        /// What falls.
+        measure: Measure,
+        /// The estimator.
+        of: String,
+        /// The expected slope; `None`: the exact one.
+        equals: Option<f64>,
+        /// The margin, absolute.
+        margin: f64,
+        /// Confidence of the interval; 0.99 if not given.
+        confidence: f64,
+    },
+    /// `coverage = { of = A, at = X, [target = "mean" | "truth"], equals = P, margin = ABS, [confidence = C] }`: the share of the replicates whose interval about the estimate at the
+    /// target nearest to X holds the mean of the estimate, or the truth, lies within the margin of P with its whole interval.
+    Coverage {
+        /// The estimator.
+        of: String,
+        /// The place.
+        at: Vec<f64>,
+        /// Whether the truth is to be held, not the mean.
+        truth: bool,
+        /// The expected share.
+        equals: f64,
+        /// The margin, absolute.
+        margin: f64,
+        /// Confidence of the interval for the share; 0.99 if not given.
+        confidence: f64,
+    },
     /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
     BestIsNear {
         /// The swept estimator.
@@ -207,10 +246,12 @@ pub enum Statement {
     },
     /// `oracle = { quantity = "h_mise", kernel = "gaussian", equals = V, digits = 4 }`: theory alone.
     Oracle {
-        /// `h_mise`, `mise`, `bias2`, `variance`, `h_amise` or `amise`.
+        /// `h_mise`, `mise`, `bias2`, `variance`, `h_amise`, `amise` or `amise_over_mise`.
         quantity: String,
         /// The kernel.
         kernel: String,
+        /// In the plane, whether it is a product or a function of the distance.
+        symmetry: String,
         /// The expected value.
         equals: f64,
         /// How many significant digits must agree.
@@ -309,6 +350,33 @@ impl fmt::Display for Statement {
                     None => Ok(()),
                 }
             }
+            Self::Slope {
+                measure,
+                of,
+                equals,
+                margin,
+                ..
+            } => {
+                let expected = equals.map_or_else(|| "the exact one".to_owned(), |v| v.to_string());
+                let name = measure.name();
+                write!(f, "the slope of {name} of {of} is {expected} ± {margin}")
+            }
+            Self::Coverage {
+                of,
+                at,
+                truth,
+                equals,
+                margin,
+                ..
+            } => {
+                let place: Vec<String> = at.iter().map(f64::to_string).collect();
+                let target = if *truth { "the truth" } else { "its mean" };
+                write!(
+                    f,
+                    "the interval of {of} at {} holds {target} in {equals} ± {margin} of the samples",
+                    place.join(", ")
+                )
+            }
             Self::BestIsNear { of, within } => write!(
                 f,
                 "the best of {of} lies within {} % of the exact optimum",
@@ -319,6 +387,7 @@ impl fmt::Display for Statement {
                 kernel,
                 equals,
                 digits,
+                ..
             } => write!(
                 f,
                 "{quantity} for the {kernel} kernel is {equals} to {digits} digits"
@@ -332,7 +401,9 @@ impl Statement {
     pub fn is_theory(&self) -> bool {
         match self {
             Self::Oracle { .. } => true,
-            Self::Below { measure, .. } | Self::Equals { measure, .. } => measure.is_exact(),
+            Self::Below { measure, .. }
+            | Self::Equals { measure, .. }
+            | Self::Slope { measure, .. } => measure.is_exact(),
             _ => false,
         }
     }

@@ -52,6 +52,11 @@ pub enum FigureKind {
         /// Level lines at round values.
         levels: bool,
     },
+    /// The best bandwidth at each place beside the best for all, exactly and by leading terms.
+    LocalBandwidth {
+        /// The kernel.
+        kernel: String,
+    },
     /// Estimates and truth along a straight line through the plane.
     Section {
         /// Where the line begins.
@@ -66,6 +71,13 @@ pub enum FigureKind {
         /// Whether estimates are multiplied by their fitted factors.
         calibrated: bool,
     },
+    /// A measure against the sample size, both logarithmic, simulated and exact, with the slope of each estimator.
+    Convergence {
+        /// `mise`, `miae` or `mire`.
+        measure: String,
+    },
+    /// How often the interval about the estimate at each place holds the mean of the estimate and the truth.
+    Coverage {},
     /// Measured and theoretical efficiency of each kernel.
     Efficiency {},
 }

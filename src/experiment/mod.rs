@@ -13,6 +13,7 @@ mod claim;
 pub mod difference;
 mod figure;
 pub mod judge;
+mod ladder;
 pub mod manifest;
 pub mod program;
 pub mod read;
@@ -26,6 +27,7 @@ pub mod uncertainty;
 
 pub use claim::{Claim, Measure, Statement};
 pub use figure::{Figure, FigureKind};
+pub use ladder::Ladder;
 pub use summary::summary;
 
 use crate::density;
@@ -56,6 +58,9 @@ pub struct Experiment {
     pub stop: Option<stop::StopRule>,
     /// Where estimates are evaluated and errors integrated; `None`: chosen for each source from its bulk or range.
     pub grid: Option<GridSpec>,
+    /// The confidence of an interval about each estimate at each target, if their coverage is to be counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
     /// The estimators, sweeps expanded, names distinct.
     pub estimators: Vec<EstimatorSpec>,
     /// What one sample says of its own error, held against the truth.

@@ -1,9 +1,10 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
+use super::ladder::{self, Ladder};
 use super::run::{Bench, Cell, Failure, Finished, Record, Replicate};
 use super::uncertainty::Said;
 use super::{Experiment, Measure};
-use crate::accuracy::{Interval, Tally, mean_interval};
+use crate::accuracy::{Coverage, Interval, Tally, coverage_with_bias, mean_interval};
 use crate::numeric::Sum;
 use crate::space::{Grid, Point, Warning};
 use crate::theory::Moments;
@@ -57,6 +58,12 @@ pub struct Outcome {
     pub measures: BTreeMap<Measure, Interval>,
     /// The exact mean of the estimate at each target, where theory gives it.
     pub expected: Option<Vec<f64>>,
+    /// What the error is to be compared with.
+    pub ladder: Ladder,
+    /// The exact standard deviation of the estimate at each target, where theory gives it.
+    pub spread: Option<Vec<f64>>,
+    /// How often intervals about the estimate held what they are about, where the experiment counts that.
+    pub coverage: Option<Coverage>,
     /// The engine that computed it, where there was a choice.
     pub engine: Option<String>,
     /// What each estimate of the error said, block by block.
@@ -78,6 +85,19 @@ impl<const D: usize> Group<D> {
 }
 
 impl Outcome {
+    /// How often an interval of that half length, in deviations, would hold the truth at target `i` if the estimate were normal with its exact mean and
+    /// variance; `None` where they are not known, or the estimate does not vary.
+    pub fn normal_coverage<const D: usize>(
+        &self,
+        group: &Group<D>,
+        i: usize,
+        reach: f64,
+    ) -> Option<f64> {
+        let (mean, spread) = (self.expected.as_ref()?[i], self.spread.as_ref()?[i]);
+        let bias = (mean - group.truth.as_ref()?[i]) / spread;
+        bias.is_finite().then(|| coverage_with_bias(reach, bias))
+    }
+
     /// The value of a simulated measure on each replicate; `None` for measures that are not means of such values, or where the truth is
     /// not known.
     pub fn per_replicate(&self, measure: Measure, truth_integral: f64) -> Option<Vec<f64>> {
@@ -88,6 +108,8 @@ impl Outcome {
             Measure::Energy => Some(r.integral / truth_integral),
             Measure::Modes => Some(r.modes as f64),
             Measure::Smoothing => r.smoothing,
+            Measure::OverBest => Some(r.errors?.ise / self.ladder.best?),
+            Measure::OverLocalBest => Some(r.errors?.ise / self.ladder.local?),
             _ => None,
         };
         self.replicates.iter().map(value).collect()
@@ -169,9 +191,10 @@ impl<const D: usize> Results<D> {
                     .into_par_iter()
                     .map(|e| exact(bench, source, size, e))
                     .collect();
-                for (e, exact) in exact.into_iter().enumerate() {
+                let ladders = ladder::climb(bench, source, size);
+                for (e, known) in exact.into_iter().zip(ladders).enumerate() {
                     let blocks = records.remove(&(source, size, e)).unwrap_or_default();
-                    let outcome = gather_one(experiment, e, blocks, exact, &group);
+                    let outcome = gather_one(experiment, e, blocks, known, &group);
                     group.outcomes.push(outcome);
                 }
                 groups.push(group);
@@ -189,6 +212,7 @@ struct Exact {
     bias2: f64,
     variance: f64,
     expected: Vec<f64>,
+    spread: Vec<f64>,
 }
 
 /// Exact moments by theory at the targets, integrated over the grid as the simulated errors are.
@@ -225,6 +249,7 @@ fn exact<const D: usize>(
         bias2: bias2.value() * cell,
         variance: variance.value() * cell,
         expected: moments.iter().map(|m| m.mean).collect(),
+        spread: moments.iter().map(|m| m.variance.sqrt()).collect(),
     })
 }
 
@@ -232,7 +257,7 @@ fn gather_one<const D: usize>(
     experiment: &Experiment,
     estimator: usize,
     records: Vec<Record>,
-    exact: Option<Exact>,
+    (exact, ladder): (Option<Exact>, Ladder),
     group: &Group<D>,
 ) -> Outcome {
     let mut outcome = Outcome {
@@ -242,6 +267,9 @@ fn gather_one<const D: usize>(
         blocks: Vec::new(),
         measures: BTreeMap::new(),
         expected: None,
+        ladder,
+        spread: None,
+        coverage: None,
         engine: None,
         said: vec![Vec::new(); experiment.uncertainties.len()],
     };
@@ -252,6 +280,9 @@ fn gather_one<const D: usize>(
         outcome.engine = outcome.engine.or(record.engine);
         for (all, said) in outcome.said.iter_mut().zip(record.said) {
             all.push(said);
+        }
+        if let Some(coverage) = &record.coverage {
+            outcome.coverage.get_or_insert_default().merge(coverage);
         }
     }
     for measure in Measure::ALL {
@@ -271,6 +302,7 @@ fn gather_one<const D: usize>(
             Interval::exact(exact.bias2 + exact.variance),
         );
         outcome.expected = Some(exact.expected);
+        outcome.spread = Some(exact.spread);
     }
     outcome
 }

@@ -40,6 +40,7 @@ fn top() -> Value {
             "notes" => json!({ "type": "string", "maxLength": 100_000 }),
             "seed" => json!({ "type": "integer", "minimum": 0, "maximum": i64::MAX }),
             "source" => source_schema(),
+            "interval" => json!({ "type": "number", "minimum": 0.5, "maximum": 0.9999 }),
             "draws" => json!({ "anyOf": [
                 draws,
                 { "type": "array", "minItems": 1, "uniqueItems": true, "items": draws },
@@ -123,6 +124,16 @@ fn claim_schema() -> Value {
             "uncertainty",
             table(uncertainty::CLAIM),
             "what an estimate of the error gives".to_owned(),
+        ),
+        (
+            "slope",
+            table(form::SLOPE),
+            "how fast an error falls as samples grow".to_owned(),
+        ),
+        (
+            "coverage",
+            table(form::COVERAGE),
+            "how often the interval at a place holds what it is about".to_owned(),
         ),
     ];
     tagged(form::COMMON, measures.chain(others))

@@ -4,7 +4,7 @@ use super::Experiment;
 use super::judge::Verdict;
 use super::results::{Outcome, Results};
 use super::uncertainty::Quantity;
-use crate::accuracy::compare;
+use crate::accuracy::{compare, coverage_with_bias, reach, share_interval};
 use crate::experiment::Measure;
 use crate::experiment::results::CONFIDENCE;
 use crate::storage::{StorageError, write_atomically};
@@ -99,6 +99,53 @@ pub fn exact_counterpart(measure: Measure) -> Option<Measure> {
         Measure::Bias2 => Some(Measure::ExactBias2),
         Measure::Variance => Some(Measure::ExactVariance),
         _ => None,
+    }
+}
+
+/// One row for each target and what an interval about the estimate there should hold: how often it does, with an interval for that share, and how often it
+/// would if the estimate were normal with its exact mean and variance. Without rows where no coverage is counted.
+pub fn coverage<const D: usize>(experiment: &Experiment, results: &Results<D>) -> Table {
+    let mut rows = Vec::new();
+    let reach = experiment.interval.map_or(f64::NAN, reach);
+    for group in &results.groups {
+        for outcome in &group.outcomes {
+            let Some(coverage) = &outcome.coverage else {
+                continue;
+            };
+            let targets = [("mean", &coverage.mean), ("truth", &coverage.truth)];
+            for (target, held) in targets {
+                for (i, held) in held.iter().enumerate() {
+                    let share = share_interval(*held as usize, coverage.count as usize, CONFIDENCE);
+                    let mut row = vec![
+                        group.name.clone(),
+                        group.draws.to_string(),
+                        outcome.name.clone(),
+                    ];
+                    row.extend(group.grid.centre(i).map(|x| digits(Some(x))));
+                    let normal = match target {
+                        "mean" => Some(coverage_with_bias(reach, 0.0)),
+                        _ => outcome.normal_coverage(group, i, reach),
+                    };
+                    row.extend([
+                        target.to_owned(),
+                        digits(Some(share.value)),
+                        digits(Some(share.low)),
+                        digits(Some(share.high)),
+                        digits(normal),
+                        coverage.count.to_string(),
+                    ]);
+                    rows.push(row);
+                }
+            }
+        }
+    }
+    let mut columns = vec!["source", "n", "estimator"];
+    columns.extend(&["x", "y"][..D.min(2)]);
+    columns.extend(["target", "share", "low", "high", "normal", "replicates"]);
+    Table {
+        file: "coverage.csv",
+        columns,
+        rows,
     }
 }
 

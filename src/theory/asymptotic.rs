@@ -16,6 +16,9 @@ pub enum NoAsymptotics {
         "the asymptotic error does not exist, because R(f') is infinite: the density jumps somewhere (at a wall, say), and there the bias falls more slowly than the width"
     )]
     Slope,
+    /// No leading terms are known for what is asked about.
+    #[error("leading terms for large samples are not known for this kind of estimate")]
+    Unknown,
 }
 
 /// AMISE(h) = c₂ h² + c₄ h⁴ + v / hᵈ in d dimensions, and where it is least.
@@ -80,6 +83,14 @@ impl Asymptotic {
         })
     }
 
+    /// h² ∫|∇f|²/12 + 1/(n h²) for square bins in the plane. [Scott 1992, section 3.4]
+    pub(super) fn of_plane_histogram(slope: f64, draws: f64) -> Result<Self, NoAsymptotics> {
+        Ok(Self {
+            dimensions: 2,
+            ..Self::of_histogram(slope, draws)?
+        })
+    }
+
     /// h² R(f')/(12 m²) + h⁴ (1 - 2/m² + 3/(5m⁴)) R(f'')/144 + 2 (1 + 1/(2m²))/(3 n h) for m ≥ 2 shifts. [Scott 1985; Scott 1992, section 5.1]
     pub(super) fn of_shifted_histogram(
         slope: f64,
@@ -118,8 +129,12 @@ impl Asymptotic {
     /// Where their sum is least: 2 c₂ h³ + 4 c₄ h⁵ = v.
     pub fn best(&self) -> f64 {
         if self.dimensions != 1 {
-            // only kernels, whose c₂ is 0: 4 c₄ h⁴⁺ᵈ = d v
             let d = f64::from(self.dimensions);
+            if self.fourth == 0.0 {
+                // bins: 2 c₂ h²⁺ᵈ = d v
+                return (0.5 * d * self.variance / self.second).powf(1.0 / (2.0 + d));
+            }
+            // kernels, whose c₂ is 0: 4 c₄ h⁴⁺ᵈ = d v
             return (0.25 * d * self.variance / self.fourth).powf(1.0 / (4.0 + d));
         }
         let alone = [

@@ -20,6 +20,14 @@ pub struct KernelError {
     scales: (f64, f64),
 }
 
+/// ∫(K_h * f - f)², ∫f² - ∫(K_h * f)² and ∫f², each without cancellation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts {
+    pub(super) squared_bias: f64,
+    pub(super) lost: f64,
+    pub(super) roughness: f64,
+}
+
 enum Path {
     /// A normal mixture and the Gaussian kernel.
     Closed(Vec<Pair>),
@@ -62,8 +70,17 @@ impl KernelError {
 
     /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample).
     pub fn at(&self, h: f64, draws: f64) -> Integrated {
+        let parts = self.parts(h);
+        Integrated {
+            squared_bias: parts.squared_bias,
+            variance: (self.shape.roughness() / h - (parts.roughness - parts.lost)) / draws,
+        }
+    }
+
+    /// What the errors are made of, whatever the sample size.
+    pub(super) fn parts(&self, h: f64) -> Parts {
         match &self.path {
-            Path::Closed(pairs) => closed(pairs, h, draws),
+            Path::Closed(pairs) => closed(pairs, h),
             Path::Quadrature {
                 deficit,
                 twice,
@@ -82,10 +99,10 @@ impl KernelError {
                         lost.add(part * twice);
                     }
                 }
-                let square_of_mean = deficit.total() - lost.value();
-                Integrated {
+                Parts {
                     squared_bias: squared_bias.value().max(0.0),
-                    variance: (self.shape.roughness() / h - square_of_mean) / draws,
+                    lost: lost.value(),
+                    roughness: deficit.total(),
                 }
             }
         }
@@ -123,8 +140,9 @@ impl KernelError {
 
 /// The closed form for normal mixtures and the Gaussian kernel, with gₐ the mixture's autocorrelation smoothed by variance ah²: bias² = g₂ - 2g₁ + g₀
 /// and variance = \[1/(2√π h) - g₂\] / n, all at 0. [Marron & Wand 1992, theorem 2.1]
-fn closed(pairs: &[Pair], h: f64, draws: f64) -> Integrated {
-    let (mut squared_bias, mut square_of_mean) = (Sum::default(), Sum::default());
+fn closed(pairs: &[Pair], h: f64) -> Parts {
+    let (mut squared_bias, mut lost, mut roughness) =
+        (Sum::default(), Sum::default(), Sum::default());
     for pair in pairs {
         let g = |a: f64| {
             let variance = (a * h).mul_add(h, pair.variance);
@@ -142,24 +160,27 @@ fn closed(pairs: &[Pair], h: f64, draws: f64) -> Integrated {
                 smoothed - still
             }
         };
-        squared_bias.add(pair.weight * rise(2.0, full));
+        let fallen = pair.weight * rise(2.0, full);
+        squared_bias.add(fallen);
         squared_bias.add(-2.0 * pair.weight * rise(1.0, half));
-        square_of_mean.add(pair.weight * full);
+        lost.add(-fallen);
+        roughness.add(pair.weight * still);
     }
-    Integrated {
+    Parts {
         squared_bias: squared_bias.value().max(0.0),
-        variance: (0.5 / (PI.sqrt() * h) - square_of_mean.value()) / draws,
+        lost: lost.value(),
+        roughness: roughness.value(),
     }
 }
 
 /// K * K, the kernel smoothed by itself.
-enum Twice {
+pub(super) enum Twice {
     Gaussian,
     Compact(Piecewise),
 }
 
 impl Twice {
-    fn of(shape: Shape) -> Self {
+    pub(super) fn of(shape: Shape) -> Self {
         if shape == Shape::Gaussian {
             return Self::Gaussian;
         }
@@ -172,7 +193,7 @@ impl Twice {
     }
 
     /// (K * K)(u) for u ≥ 0.
-    fn at(&self, u: f64) -> f64 {
+    pub(super) fn at(&self, u: f64) -> f64 {
         match self {
             Self::Gaussian => (-0.25 * u * u).exp() / (4.0 * PI).sqrt(),
             Self::Compact(table) if u < 2.0 => table.at(u),

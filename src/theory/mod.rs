@@ -9,7 +9,9 @@
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
 //! | the best bandwidth, width or number of terms | [`KernelError::optimum`], [`HistogramError::optimum`], [`SeriesError::optimum`] |
 //! | the same of all that an estimator is but for its width | [`Family`] |
-//! | errors in the plane, for normal mixtures and the Gaussian kernel | [`PlaneKernelError`], [`plane_kernel_moments`] |
+//! | the same in the plane | [`PlaneKernelError`], [`plane_kernel_moments`], [`plane_equivalent_moments`] |
+//! | the best k and its error | [`NeighbourError`] |
+//! | the best smoothing at one place | [`Family::best_at`] |
 //! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
 //!
 //! # What is exact
@@ -32,8 +34,10 @@ mod family;
 mod histogram;
 mod integrated;
 mod kernel;
+mod local;
 mod neighbour;
 mod optimum;
+mod patch;
 mod plane;
 mod pointwise;
 mod series;
@@ -43,15 +47,20 @@ pub use asymptotic::{Asymptotic, NoAsymptotics};
 pub use binned::{
     generalised_histogram_moments, histogram_moments, polygon_moments, shifted_histogram_moments,
 };
-pub use family::Family;
+pub use family::{Family, FamilyError, MOST_TERMS, System};
 pub use histogram::HistogramError;
 pub use integrated::{Integrated, Over, integrate_over, panels_of};
 pub use kernel::KernelError;
-pub use neighbour::{Convention, best_neighbours, neighbour_moments};
+pub use local::Local;
+pub use neighbour::{Convention, NeighbourError, best_neighbours, neighbour_moments};
 pub use optimum::{Optimum, Oracle};
-pub use plane::{PlaneKernelError, kernel_oracle, plane_kernel_moments};
+pub use patch::Support;
+pub use plane::{
+    PlaneHistogramError, PlaneKernelError, kernel_oracle, plane_equivalent_moments,
+    plane_kernel_moments,
+};
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
-pub use series::{SeriesError, Taper, series_moments};
+pub use series::{SeriesError, Taper, series_moments, series_moments_in_plane};
 
 /// Mean and variance of an estimate at one place, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,3 +70,6 @@ pub struct Moments {
     /// var f̂(x).
     pub variance: f64,
 }
+
+#[cfg(test)]
+mod tests;

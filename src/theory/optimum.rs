@@ -25,8 +25,17 @@ pub struct Oracle {
 
 /// Scans `error` on a ladder from `low` to `high` whose steps are 4 %, and refines each low.
 pub(super) fn search(error: impl Fn(f64) -> Integrated, low: f64, high: f64) -> Optimum {
+    search_by(error, low, high, 0.04)
+}
+
+/// The same with steps of 15 %, for errors that take long to compute: other minima that lie closer than 30 % may be missed.
+pub(super) fn search_coarsely(error: impl Fn(f64) -> Integrated, low: f64, high: f64) -> Optimum {
+    search_by(error, low, high, 0.15)
+}
+
+fn search_by(error: impl Fn(f64) -> Integrated, low: f64, high: f64, step: f64) -> Optimum {
     let mise = |h: f64| error(h).mise();
-    let steps = ((high / low).ln() / 0.04).ceil().clamp(8.0, 4000.0) as usize;
+    let steps = ((high / low).ln() / step).ceil().clamp(8.0, 4000.0) as usize;
     let mut minima = local_minima(mise, low, high, steps);
     if minima.is_empty() {
         minima.push(minimise(mise, low, high, 1e-8));

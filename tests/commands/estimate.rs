@@ -199,3 +199,46 @@ fn warnings_are_told_beside_the_data() {
         .succeeds()
         .says_nothing();
 }
+
+/// The interval about the estimate is z √(Σ (K - f̂)²/(n(n - 1))) on each side.
+#[test]
+fn an_interval_is_two_more_columns() {
+    let bench = Bench::new()
+        .with("x.csv", "x\n0\n0.1\n0.5\n0.9\n")
+        .with("at.csv", "x\n0.2\n");
+    let all = [
+        "estimate",
+        "x.csv",
+        "-e",
+        "kernel = { shape = \"uniform\", bandwidth = 0.35 }",
+        "--at",
+        "at.csv",
+        "--interval",
+        "0.95",
+    ];
+    let told = bench
+        .run(&all)
+        .succeeds()
+        .says_nothing()
+        .table("x,density,lower,upper");
+    // three of four bumps of height 1/0.7
+    let (height, n) = (1.0 / 0.7, 4.0);
+    let mean = 0.75 * height;
+    let variance = (0.75 * height * height - mean * mean) / (n - 1.0);
+    let half = 1.959_963_985 * f64::sqrt(variance);
+    let expected = [0.2, mean, mean - half, mean + half];
+    for (told, expected) in told[0].iter().zip(expected) {
+        assert!((told - expected).abs() < 1e-8, "{told} {expected}");
+    }
+    let all = [
+        "estimate",
+        "x.csv",
+        "-e",
+        "histogram = { width = 1 }",
+        "--interval",
+        "0.95",
+    ];
+    bench.run(&all).ends_with(2).says("--interval");
+    let all = ["estimate", "x.csv", "-e", KERNEL, "--interval", "95"];
+    bench.run(&all).ends_with(2).says("0.5 to 0.9999");
+}

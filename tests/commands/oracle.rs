@@ -108,3 +108,174 @@ fn the_oracle_prices_another_bandwidth() {
     text.prints("h_mise    0.32171\n")
         .prints("at bandwidth 0.1:\n  ratio     2.83554\n");
 }
+
+/// N(0, I): n^(-1/6) for the Gaussian kernel, 2.40 and 2.78 times that for the round Epanechnikov and biweight kernels. [Silverman 1986, table 4.1]
+#[test]
+fn the_oracle_knows_the_plane() {
+    let bench = Bench::new();
+    let oracle = |kernel: &str, n: &str| {
+        let all = [
+            "oracle",
+            "--density",
+            "normal-2d",
+            "--kernel",
+            kernel,
+            "--n",
+            n,
+            "--json",
+            "--symmetry",
+            "radial",
+        ];
+        bench.run(&all).succeeds().says_nothing().json()
+    };
+    let n = 4096.0_f64;
+    for (kernel, constant) in [
+        ("gaussian", 1.0),
+        ("epanechnikov", 2.40),
+        ("biweight", 2.78),
+    ] {
+        let told = oracle(kernel, "4096");
+        let found = told["h_amise"].as_f64().unwrap() * n.powf(1.0 / 6.0);
+        assert!((found - constant).abs() < 0.005, "{kernel}: {found}");
+        // the exact optimum is a little wider, its error a little less
+        assert!(told["h_mise"].as_f64() > told["h_amise"].as_f64(), "{told}");
+        assert!(told["mise"].as_f64() < told["amise"].as_f64(), "{told}");
+    }
+    // the round kernel is taken, and that is said
+    let quiet = bench.run(&[
+        "oracle",
+        "--density",
+        "normal-2d",
+        "--kernel",
+        "epanechnikov",
+        "--n",
+        "100",
+    ]);
+    quiet.succeeds().says("--symmetry product");
+}
+
+#[test]
+fn other_estimators_have_a_best_setting_too() {
+    let bench = Bench::new();
+    let oracle = |estimator: &str| {
+        let all = [
+            "oracle",
+            "--density",
+            "bimodal",
+            "--estimator",
+            estimator,
+            "--n",
+            "1000",
+            "--json",
+        ];
+        bench.run(&all).succeeds().json()
+    };
+    let kernel = bench
+        .run(&["oracle", "--density", "bimodal", "--n", "1000", "--json"])
+        .succeeds()
+        .json();
+    for (estimator, parameter) in [
+        ("histogram", "width"),
+        ("frequency-polygon", "width"),
+        ("nearest-neighbour", "k"),
+        ("cosine-series = { low = -4, high = 4 }", "terms"),
+        ("hermite-series", "terms"),
+    ] {
+        let told = oracle(estimator);
+        assert_eq!(told["parameter"], parameter);
+        let ratio = told["mise"].as_f64().unwrap() / kernel["mise"].as_f64().unwrap();
+        assert!((0.5..5.0).contains(&ratio), "{estimator}: {told}");
+        let best = told["h_mise"].as_f64().unwrap();
+        assert!(parameter == "width" || best.fract() == 0.0, "{told}");
+    }
+    let series = bench.run(&[
+        "oracle",
+        "--density",
+        "bimodal",
+        "--estimator",
+        "cosine-series",
+        "--n",
+        "10",
+    ]);
+    series.ends_with(2).says("low");
+    let reflected = "kernel = { bandwidth = 1, boundary = \"reflect\" }";
+    let all = [
+        "oracle",
+        "--density",
+        "uniform",
+        "--estimator",
+        reflected,
+        "--n",
+        "10",
+    ];
+    bench.run(&all).ends_with(2).says("--estimator");
+}
+
+#[test]
+fn the_best_at_a_place_is_another_than_the_best_for_all() {
+    let bench = Bench::new();
+    let at = |place: &str| {
+        let all = [
+            "oracle",
+            "--density",
+            "normal",
+            "--n",
+            "1000",
+            "--at",
+            place,
+            "--json",
+        ];
+        bench.run(&all).succeeds().says_nothing().json()
+    };
+    // (1/(2√π n f))^(1/5) at 0, and nothing of the kind at the point of inflection
+    let middle = at("0");
+    let known = (0.282_094_8 / 1000.0 / 0.398_942_3_f64).powf(0.2);
+    assert!(
+        (middle["h_amse"].as_f64().unwrap() / known - 1.0).abs() < 1e-6,
+        "{middle}"
+    );
+    assert!(middle["h_mse"].as_f64().unwrap() > known);
+    assert!(at("1")["h_amse"].is_null());
+    assert!(at("1")["h_mse"].as_f64() > at("0")["h_mse"].as_f64());
+    let plane = [
+        "oracle",
+        "--density",
+        "normal-2d",
+        "--n",
+        "1000",
+        "--at",
+        "0,0",
+    ];
+    bench.run(&plane).succeeds().prints("h_mse");
+    let neighbours = [
+        "oracle",
+        "--density",
+        "normal-2d",
+        "--estimator",
+        "nearest-neighbour",
+        "--n",
+        "1000",
+        "--at",
+        "0,0",
+        "--json",
+    ];
+    let told = bench.run(&neighbours).succeeds().json();
+    // k³ = 32π² n² f⁴/(Δf)² with Δf = -2f
+    let known = (8.0 * 1e6_f64 / 4.0).cbrt();
+    assert!(
+        (told["h_amse"].as_f64().unwrap() / known - 1.0).abs() < 1e-6,
+        "{told} {known}"
+    );
+    for (place, says) in [("0,0", "1 axis"), ("x", "--at"), ("1e9", "density is 0")] {
+        let all = [
+            "oracle",
+            "--density",
+            "normal",
+            "--n",
+            "1000",
+            "--at",
+            place,
+        ];
+        bench.run(&all).ends_with(2).says(says);
+    }
+}

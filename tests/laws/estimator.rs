@@ -6,6 +6,7 @@
 mod cases;
 mod expectation;
 mod law;
+mod plane_expectation;
 mod planted;
 
 use cases::{Data, Subject};

@@ -4,15 +4,17 @@ mod plane;
 
 use super::width::best;
 use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
-use crate::boundary::{self, Boundary, Bump, Ignore, corrected_moments};
+use crate::boundary::{self, Boundary, Bump, Equivalent, Ignore, corrected_moments};
 use crate::density::Density;
 use crate::engine::{EXACT, Engine, LINE, Planned};
 use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
+use crate::numeric::Sum;
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
 use crate::selector::{self, LeastIse, Selector};
 use crate::space::{Domain, Evaluation, Field, Point, Side, Targets};
 use crate::theory::{Family, kernel_moments};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Where the bandwidth comes from.
@@ -74,6 +76,48 @@ impl<const D: usize> Kde<D> {
             translation_equivariant: true,
             repeatable: matches!(self.width, Width::Numbers(_)),
         }
+    }
+
+    /// Σ wᵢ² (κ(x, Xᵢ) - f̂(x)/m)² n/(n - 1) with m the mass and n the effective size: for equal weights the sample variance of the bumps over n. By
+    /// definition, O(n) a place.
+    pub(super) fn plug_in(
+        &self,
+        estimate: &Estimate<D>,
+        sample: &Sample<D>,
+        places: &[Point<D>],
+    ) -> Option<Vec<f64>> {
+        let Some(Bandwidth::Fixed(width)) = estimate.bandwidth else {
+            return None;
+        };
+        let bump = Bump {
+            shape: self.shape,
+            symmetry: self.symmetry,
+            width,
+        };
+        let (domain, n) = (sample.domain(), sample.effective_size());
+        let at = |x: &Point<D>| -> Option<f64> {
+            let kernel: Equivalent<'_, D> = if self.corrected && domain.has_walls() {
+                if !domain.contains(*x) {
+                    return Some(0.0);
+                }
+                self.boundary.equivalent(&bump, domain, *x)?
+            } else {
+                Box::new(|y| bump.value(*x, y))
+            };
+            let (mut weighted, mut squares) = (Sum::default(), [0.0; 3]);
+            for (i, y) in sample.points().iter().enumerate() {
+                let (w, k) = (sample.weight(i), kernel(*y));
+                weighted.add(w * k);
+                for (power, sum) in squares.iter_mut().enumerate() {
+                    *sum += w * w * k.powi(power as i32);
+                }
+            }
+            let mean = weighted.value() / sample.mass();
+            let around = squares[2] - 2.0 * mean * squares[1] + mean * mean * squares[0];
+            // one point says nothing about its spread
+            Some((around * n / (n - 1.0)).max(0.0)).filter(|v| v.is_finite())
+        };
+        places.par_iter().map(at).collect()
     }
 
     /// The estimate from `sample`, computed by one of `engines`.
@@ -141,6 +185,9 @@ impl Estimator<1> for Kde {
             let at = |&[x]: &Point<1>| kernel_moments(truth, self.shape, h, draws as f64, x);
             return Some(places.iter().map(at).collect());
         }
+        if !self.boundary.promises().linear {
+            return None;
+        }
         let bump = Bump {
             shape: self.shape,
             symmetry: Symmetry::Product,
@@ -148,6 +195,16 @@ impl Estimator<1> for Kde {
         };
         let at = |&[x]: &Point<1>| corrected_moments(&*self.boundary, &bump, truth, draws, x);
         places.iter().map(at).collect()
+    }
+
+    fn variance(
+        &self,
+        estimate: &Estimate<1>,
+        sample: &Sample<1>,
+        places: &[Point<1>],
+    ) -> Option<Vec<f64>> {
+        let round = sample.domain().sides()[0].contains(&Side::Periodic);
+        (!round).then(|| self.plug_in(estimate, sample, places))?
     }
 
     fn family(&self) -> Option<Family> {

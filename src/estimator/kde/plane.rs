@@ -1,7 +1,7 @@
 //! The kernel estimator in the plane.
 
 use super::{Kde, Width, engine};
-use crate::boundary::{self, Ignore};
+use crate::boundary::{self, Bump, Ignore, corrected_moments_in_plane};
 use crate::density::Density;
 use crate::engine::{EXACT, PLANE};
 use crate::estimator::{
@@ -13,6 +13,7 @@ use crate::sample::Sample;
 use crate::selector::NormalScale;
 use crate::space::{Point, Side};
 use crate::theory::{kernel_oracle, plane_kernel_moments};
+use rayon::prelude::*;
 
 impl Estimator<2> for Kde<2> {
     fn laws(&self) -> Laws {
@@ -32,11 +33,6 @@ impl Estimator<2> for Kde<2> {
         let Width::Numbers(h) = self.width else {
             return None;
         };
-        // the Gaussian is a product and radial at once
-        let product = self.symmetry == Symmetry::Product || self.shape == Shape::Gaussian;
-        if !product || (self.corrected && truth.domain().has_walls()) {
-            return None;
-        }
         // round a side that wraps the density is another one
         if truth
             .domain()
@@ -47,23 +43,50 @@ impl Estimator<2> for Kde<2> {
             return None;
         }
         let truth = truth.bivariate()?;
-        // so that nothing needs to be known of no places
-        if truth.normal_components().is_none() && truth.factors().is_none() {
+        let draws = draws as f64;
+        if !self.corrected || !truth.domain().has_walls() {
+            let (shape, symmetry) = (self.shape, self.symmetry);
+            let at = |x: &Point<2>| plane_kernel_moments(truth, shape, symmetry, h, draws, *x);
+            return Some(places.par_iter().map(at).collect());
+        }
+        if !self.boundary.promises().linear {
             return None;
         }
-        let at = |&x: &Point<2>| plane_kernel_moments(truth, self.shape, h, draws as f64, x);
-        places.iter().map(at).collect()
+        let bump = Bump {
+            shape: self.shape,
+            symmetry: self.symmetry,
+            width: h,
+        };
+        let at =
+            |x: &Point<2>| corrected_moments_in_plane(&*self.boundary, &bump, truth, draws, *x);
+        places.par_iter().map(at).collect()
+    }
+
+    fn variance(
+        &self,
+        estimate: &Estimate<2>,
+        sample: &Sample<2>,
+        places: &[Point<2>],
+    ) -> Option<Vec<f64>> {
+        let sides = sample.domain().sides();
+        let round = sides.as_flattened().contains(&Side::Periodic);
+        (!round).then(|| self.plug_in(estimate, sample, places))?
     }
 
     fn family(&self) -> Option<Family> {
-        // closed forms are known for the Gaussian only
-        let known = !self.corrected && self.shape == Shape::Gaussian;
-        known.then_some(Family::Kernel(self.shape))
+        (!self.corrected).then_some(match self.symmetry {
+            Symmetry::Product => Family::Kernel(self.shape),
+            Symmetry::Radial => Family::RadialKernel(self.shape),
+        })
     }
 }
 
 /// The bandwidth, the same on both axes, that is best for the known density, exactly or asymptotically.
-fn best_in_plane(word: &str, shape: Shape, context: &Context<2>) -> Result<f64, BuildError> {
+fn best_in_plane(
+    word: &str,
+    (shape, symmetry): (Shape, Symmetry),
+    context: &Context<2>,
+) -> Result<f64, BuildError> {
     let error = |what: String| BuildError {
         parameter: "bandwidth",
         what,
@@ -73,9 +96,9 @@ fn best_in_plane(word: &str, shape: Shape, context: &Context<2>) -> Result<f64, 
             "\"{word}\" is the best bandwidth for a known density, and the density of measured data is not known; give a number or a rule that looks at the data alone"
         )));
     };
-    let Some(oracle) = kernel_oracle(&**truth, shape, context.draws as f64) else {
+    let Some(oracle) = kernel_oracle(&**truth, shape, symmetry, context.draws as f64) else {
         return Err(error(format!(
-            "\"{word}\": in the plane the best bandwidth is known for the Gaussian kernel and normal mixtures only; give a number"
+            "\"{word}\": in the plane the best bandwidth is known for normal mixtures and products of densities only; give a number"
         )));
     };
     match (word, oracle.asymptotic) {
@@ -94,7 +117,8 @@ impl Build<2> for Kde<2> {
         let word = values.word("bandwidth");
         if let Some(word) = word.filter(|word| ["oracle", "amise"].contains(word)) {
             let mut known = values.clone();
-            let h = best_in_plane(word, shape, context)?;
+            let symmetry = values.word("symmetry").and_then(Symmetry::named);
+            let h = best_in_plane(word, (shape, symmetry.unwrap_or_default()), context)?;
             known.set("bandwidth", Value::Number(h));
             return Self::new(shape, &known);
         }

@@ -10,7 +10,7 @@ use crate::numeric::orthogonal::{Basis, Cosine, Fourier, Legendre, Placed};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::space::{Domain, Point, Warning};
-use crate::theory::{Taper, series_moments};
+use crate::theory::{self, Family, Taper, series_moments, series_moments_in_plane};
 use std::marker::PhantomData;
 
 /// A series in a compact system on the domain of the data, or from `low` to `high`.
@@ -43,6 +43,8 @@ pub trait System: Basis {
     const REFERENCE: &'static str;
     /// Whether Fejér's taper makes sums nowhere negative.
     const FEJER_IS_POSITIVE: bool;
+    /// What theory calls it.
+    const SYSTEM: theory::System;
 }
 
 impl System for Cosine {
@@ -51,6 +53,7 @@ impl System for Cosine {
         "a sum of cosines on an interval: the density reflected at both ends";
     const REFERENCE: &'static str = "Čencov 1962; Kronmal & Tarter 1968";
     const FEJER_IS_POSITIVE: bool = true;
+    const SYSTEM: theory::System = theory::System::Cosine;
 }
 
 impl System for Legendre {
@@ -58,6 +61,7 @@ impl System for Legendre {
     const SUMMARY: &'static str = "a sum of Legendre polynomials on an interval";
     const REFERENCE: &'static str = "Čencov 1962; Hall 1982, Annals of Statistics 10";
     const FEJER_IS_POSITIVE: bool = false;
+    const SYSTEM: theory::System = theory::System::Legendre;
 }
 
 impl System for Fourier {
@@ -65,6 +69,7 @@ impl System for Fourier {
     const SUMMARY: &'static str = "a sum of whole waves on an interval that wraps round";
     const REFERENCE: &'static str = "Kronmal & Tarter 1968; Hall 1981, Annals of Statistics 9";
     const FEJER_IS_POSITIVE: bool = true;
+    const SYSTEM: theory::System = theory::System::Fourier;
 }
 
 impl<B: System> IntervalSeries<B> {
@@ -156,6 +161,14 @@ impl<B: System> Estimator<1> for IntervalSeries<B> {
             places.as_flattened(),
         ))
     }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Series {
+            system: B::SYSTEM,
+            place: [self.low, self.high],
+            taper: self.length.taper,
+        })
+    }
 }
 
 impl<B: System> Estimator<2> for IntervalSeries<B> {
@@ -185,6 +198,33 @@ impl<B: System> Estimator<2> for IntervalSeries<B> {
             self.positive(),
             warnings,
         )
+    }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<2>,
+        draws: usize,
+        places: &[Point<2>],
+    ) -> Option<Vec<Moments>> {
+        if truth.domain().outline().is_some() {
+            return None;
+        }
+        let [low, high] = self.interval(truth.domain(), 0)?;
+        let [below, above] = self.interval(truth.domain(), 1)?;
+        let placed = [
+            Placed::<B>::between(low, high),
+            Placed::between(below, above),
+        ];
+        let terms = self.length.fixed()?;
+        let taper = self.length.taper;
+        Some(series_moments_in_plane(
+            truth,
+            &placed,
+            terms,
+            taper,
+            draws as f64,
+            places,
+        ))
     }
 }
 

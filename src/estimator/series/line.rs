@@ -5,13 +5,13 @@ use super::{Length, fit};
 use crate::density::Density;
 use crate::estimator::normal::{likeliest, resolved};
 use crate::estimator::{
-    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments,
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
 };
 use crate::numeric::orthogonal::{Hermite, Placed};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::space::Point;
-use crate::theory::series_moments;
+use crate::theory::{System, series_moments};
 
 /// A series of Hermite functions about the mean of the data, in units of their deviation; or about `location`, in units of `scale`.
 ///
@@ -81,6 +81,14 @@ impl Estimator<1> for HermiteSeries {
             draws as f64,
             places.as_flattened(),
         ))
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Series {
+            system: System::Hermite,
+            place: [self.location, self.scale],
+            taper: self.length.taper,
+        })
     }
 }
 

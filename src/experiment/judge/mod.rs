@@ -1,12 +1,15 @@
 //! Holding the claims of an experiment against its results.
 
 mod comparison;
+mod coverage;
 mod modes;
 mod optimum;
 mod regret;
+mod slope;
 mod uncertain;
 
 pub use optimum::swept;
+pub use slope::slope;
 
 use super::manifest::Line;
 use super::results::{Group, Results};
@@ -15,9 +18,11 @@ use super::{Claim, Experiment, Measure, Statement};
 use crate::accuracy::sidak;
 use crate::random;
 use comparison::{agrees, below_by, equal};
+use coverage::covers;
 use modes::{median_modes, share_of_modes};
 use optimum::{best_is_near, oracle};
 use regret::regret;
+use slope::has_slope;
 use uncertain::uncertainty;
 
 /// How a claim came out.
@@ -76,6 +81,9 @@ pub fn judge<const D: usize>(bench: &Bench<D>, results: &Results<D>) -> Vec<Verd
                 .iter()
                 .filter(|group| concerns(claim, group))
                 .collect();
+            if let Statement::Slope { .. } = claim.statement {
+                return over_sizes(number, &claim.statement, &groups);
+            }
             let rulings: Vec<(bool, String)> = groups
                 .iter()
                 .map(|group| judge_one(bench, number, claim, (group, groups.len())))
@@ -89,6 +97,39 @@ pub fn judge<const D: usize>(bench: &Bench<D>, results: &Results<D>) -> Vec<Verd
             }
         })
         .collect()
+}
+
+/// Judges a claim about all sizes of each source together.
+fn over_sizes<const D: usize>(
+    number: usize,
+    statement: &Statement,
+    groups: &[&Group<D>],
+) -> Verdict {
+    let none = || (false, "the run has no numbers for this claim".to_owned());
+    let mut rulings = Vec::new();
+    // groups come source by source
+    for of_source in groups.chunk_by(|a, b| a.source == b.source) {
+        let Statement::Slope {
+            measure,
+            of,
+            equals,
+            margin,
+            confidence,
+        } = statement
+        else {
+            continue;
+        };
+        let ruling = has_slope(of_source, (of, *measure), *equals, *margin, *confidence);
+        let (holds, detail) = ruling.unwrap_or_else(none);
+        rulings.push((holds, format!("{}: {detail}", of_source[0].name)));
+    }
+    let holds = !rulings.is_empty() && rulings.iter().all(|(holds, _)| *holds);
+    let details: Vec<String> = rulings.into_iter().map(|(_, detail)| detail).collect();
+    Verdict {
+        claim: number,
+        outcome: if holds { Ruling::Holds } else { Ruling::Fails },
+        detail: details.join("; "),
+    }
 }
 
 /// The numbers of a claim in words: of each group, or of those where it fails and one other where there are many.
@@ -129,6 +170,7 @@ fn concerns<const D: usize>(claim: &Claim, group: &Group<D>) -> bool {
             .is_none_or(|source| *source == group.name)
 }
 
+#[expect(clippy::too_many_lines, reason = "one arm a kind of statement")]
 fn judge_one<const D: usize>(
     bench: &Bench<D>,
     number: usize,
@@ -220,12 +262,23 @@ fn judge_one<const D: usize>(
             )
         }
         Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
+        Statement::Coverage {
+            of,
+            at,
+            truth,
+            equals,
+            margin,
+            confidence,
+        } => covers(group, of, (at, *truth), (*equals, *margin), *confidence),
+        // judged over all sizes together
+        Statement::Slope { .. } => None,
         Statement::Oracle {
             quantity,
             kernel,
+            symmetry,
             equals,
             digits,
-        } => oracle(bench, group, quantity, kernel, *equals, *digits),
+        } => oracle(bench, group, quantity, (kernel, symmetry), *equals, *digits),
     };
     ruling.unwrap_or_else(|| (false, "the run has no numbers for this claim".to_owned()))
 }
@@ -241,7 +294,11 @@ fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> O
         Statement::AgreesWithExact { measure, .. } => (*measure, false),
         Statement::Regret { .. } => (Measure::Mise, true),
         Statement::MedianModes { .. } | Statement::ShareOfModes { .. } => (Measure::Modes, false),
-        Statement::Uncertainty { .. } | Statement::BestIsNear { .. } | Statement::Oracle { .. } => {
+        Statement::Uncertainty { .. }
+        | Statement::BestIsNear { .. }
+        | Statement::Oracle { .. }
+        | Statement::Coverage { .. }
+        | Statement::Slope { .. } => {
             return None;
         }
     };

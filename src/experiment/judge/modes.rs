@@ -79,6 +79,9 @@ mod tests {
             blocks: Vec::new(),
             measures: BTreeMap::new(),
             expected: None,
+            ladder: crate::experiment::Ladder::default(),
+            spread: None,
+            coverage: None,
             engine: None,
             said: Vec::new(),
         }

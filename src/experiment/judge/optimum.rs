@@ -4,7 +4,7 @@ use super::short;
 use crate::experiment::results::Group;
 use crate::experiment::run::Bench;
 use crate::experiment::{Experiment, Measure};
-use crate::kernel::Shape;
+use crate::kernel::{Shape, Symmetry};
 
 pub(super) fn best_is_near<const D: usize>(
     bench: &Bench<D>,
@@ -74,11 +74,15 @@ pub(super) fn oracle<const D: usize>(
     bench: &Bench<D>,
     group: &Group<D>,
     quantity: &str,
-    kernel: &str,
+    (kernel, symmetry): (&str, &str),
     equals: f64,
     digits: u32,
 ) -> Option<(bool, String)> {
-    let oracle = bench.oracle(group.source, Shape::named(kernel)?, group.draws)?;
+    let oracle = bench.oracle(
+        group.source,
+        (Shape::named(kernel)?, Symmetry::named(symmetry)?),
+        group.draws,
+    )?;
     let best = &oracle.optimum;
     let asymptotic = oracle.asymptotic.ok();
     let found = match quantity {
@@ -90,6 +94,10 @@ pub(super) fn oracle<const D: usize>(
         "amise" => {
             let asymptotic = asymptotic?;
             asymptotic.at(asymptotic.best()).mise()
+        }
+        "amise_over_mise" => {
+            let asymptotic = asymptotic?;
+            asymptotic.at(asymptotic.best()).mise() / best.error.mise()
         }
         _ => return None,
     };

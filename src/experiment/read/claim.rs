@@ -4,6 +4,7 @@ use super::evidence;
 use super::form::{ANY, BEST, COMMON, Form, MODES, ORACLE, REGRET};
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
+use super::rate::{coverage, slope};
 use super::setting::Setting;
 use super::value::{self, Located};
 use crate::experiment::{Claim, Measure, Statement};
@@ -29,6 +30,8 @@ pub(super) fn claim(
         "oracle" => oracle(reader, entry, setting),
         "regret" => regret(reader, entry, setting),
         "uncertainty" => super::uncertainty::claim(reader, entry, setting),
+        "coverage" => coverage(reader, entry, setting),
+        "slope" => slope(reader, entry, setting, draws.is_some()),
         name => {
             let measure = Measure::ALL
                 .into_iter()
@@ -60,7 +63,14 @@ pub(crate) fn statements() -> Vec<&'static str> {
     Measure::ALL
         .into_iter()
         .map(Measure::name)
-        .chain(["best", "oracle", "regret", "uncertainty"])
+        .chain([
+            "best",
+            "oracle",
+            "regret",
+            "uncertainty",
+            "slope",
+            "coverage",
+        ])
         .collect()
 }
 
@@ -101,7 +111,7 @@ fn key<'d>(reader: &mut Reader, mut table: Table<'d>, span: &Span) -> Option<Ent
     }
 }
 
-fn settings(
+pub(super) fn settings(
     reader: &mut Reader,
     entry: Entry<'_>,
     parameters: &'static [Parameter],
@@ -152,13 +162,14 @@ fn oracle(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Optio
     demanded.then_some(Statement::Oracle {
         quantity: read.values.word("quantity")?.to_owned(),
         kernel: read.values.word("kernel")?.to_owned(),
+        symmetry: read.values.word("symmetry").unwrap_or("product").to_owned(),
         equals: read.values.number("equals")?,
         digits: read.values.count("digits")? as u32,
     })
 }
 
 /// What to do where there is nothing exact to claim.
-const SIMULATED: &str = "give it a width as a number, \"oracle\" or \"amise\", or claim something simulated, such as `mise`";
+pub(super) const SIMULATED: &str = "give it a width as a number, \"oracle\" or \"amise\", or claim something simulated, such as `mise`";
 
 /// `MEASURE = { .. }` in any of its forms.
 fn measured(
@@ -190,6 +201,9 @@ fn measured(
         }
     }
     known &= evidence::blocks(reader, &entry.key_span(), measure, setting);
+    if matches!(measure, Measure::OverBest | Measure::OverLocalBest) && !of.is_empty() {
+        known &= evidence::optimum(reader, setting, &of, &read.place("of"));
+    }
     let statement = match form.key {
         "below" => {
             let below = values.word("below")?;

@@ -96,7 +96,9 @@ fn widest(
             (Some(1.0), "an estimate that is zero everywhere is 1 wrong")
         }
         Measure::Modes => (Some(1.0), "it lets one mode be none"),
-        Measure::Mire | Measure::Smoothing => (None, ""),
+        Measure::Mire | Measure::Smoothing | Measure::OverBest | Measure::OverLocalBest => {
+            (None, "")
+        }
     }
 }
 

@@ -78,18 +78,56 @@ pub(crate) const FORMS: &[Form] = &[
                 Kind::Choices(&[
                     "h_mise",
                     "h_amise",
+                    "amise",
                     "silverman",
                     "normal-reference",
                     "scott",
                 ]),
                 Absent::Unset,
-                "vertical markers; none by default",
+                "vertical markers, and `amise` for the curve of the leading terms; none by default",
             ),
         ],
         truth: true,
         replicates: true,
         only: None,
         title: "Error against smoothing",
+    },
+    Form {
+        name: "convergence",
+        summary: "a measure against the sample size, simulated and exact, with the slope of each estimator",
+        parameters: &[Parameter::optional(
+            "measure",
+            Kind::Choice(&["mise", "miae", "mire"]),
+            Absent::Word("mise"),
+            "the measure",
+        )],
+        truth: true,
+        replicates: true,
+        only: None,
+        title: "Convergence",
+    },
+    Form {
+        name: "coverage",
+        summary: "how often the interval about the estimate at each place holds the mean of the estimate and the truth",
+        parameters: &[],
+        truth: true,
+        replicates: true,
+        only: Some(1),
+        title: "Coverage",
+    },
+    Form {
+        name: "local-bandwidth",
+        summary: "the best bandwidth at each place beside the best for all places, exactly and by leading terms for large samples",
+        parameters: &[Parameter::optional(
+            "kernel",
+            Kind::Choice(&crate::kernel::Shape::NAMES),
+            Absent::Word("gaussian"),
+            "the kernel",
+        )],
+        truth: true,
+        replicates: false,
+        only: Some(1),
+        title: "Best bandwidth at each place",
     },
     Form {
         name: "densities",
@@ -379,6 +417,20 @@ fn resolve(
             measure: values.word("measure")?.to_owned(),
         }),
         "modes" => Some(FigureKind::Modes {}),
+        "local-bandwidth" => Some(FigureKind::LocalBandwidth {
+            kernel: values.word("kernel")?.to_owned(),
+        }),
+        "coverage" if !setting.interval => {
+            reader.report(
+                Problem::at(located.place("coverage"), "the figure `coverage`: the experiment counts no coverage")
+                    .help("set `interval` of the experiment to a confidence, for instance interval = 0.95"),
+            );
+            None
+        }
+        "coverage" => Some(FigureKind::Coverage {}),
+        "convergence" => Some(FigureKind::Convergence {
+            measure: values.word("measure")?.to_owned(),
+        }),
         "sweep" => {
             let of = values.word("of")?;
             setting

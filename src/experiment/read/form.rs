@@ -3,7 +3,7 @@
 //! A claim that nothing could contradict is none, so what decides how much it lets pass has limits: the confidence, the factors, and the margins, some of
 //! which `claim` checks because they depend on the value that is claimed.
 
-use crate::kernel::Shape;
+use crate::kernel::{Shape, Symmetry};
 use crate::parameter::{Absent, Kind, Parameter};
 
 const OF: Parameter = Parameter::required("of", Kind::Text, "the estimator");
@@ -154,11 +154,83 @@ pub(crate) const REGRET: &[Parameter] = &[
     CONFIDENCE,
 ];
 
+/// `coverage`.
+pub(crate) const COVERAGE: &[Parameter] = &[
+    OF,
+    Parameter::required(
+        "at",
+        Kind::Real,
+        "the place: the target nearest to it counts",
+    ),
+    Parameter::optional("at-y", Kind::Real, Absent::Unset, "its second coordinate").only_in(2),
+    Parameter::optional(
+        "target",
+        Kind::Choice(&["mean", "truth"]),
+        Absent::Word("mean"),
+        "what the interval should hold: the mean of the estimate, which it is about, or the truth",
+    ),
+    Parameter::required(
+        "equals",
+        Kind::Fraction,
+        "the expected share of intervals that hold it",
+    ),
+    Parameter::required(
+        "margin",
+        Kind::Between(0.0, 0.25),
+        "how far off is still equal: the whole interval for the share must lie inside",
+    ),
+    CONFIDENCE,
+];
+
+/// `slope`.
+pub(crate) const SLOPE: &[Parameter] = &[
+    OF,
+    Parameter::optional(
+        "measure",
+        Kind::Choice(&[
+            "mise",
+            "miae",
+            "mire",
+            "exact-mise",
+            "exact-bias2",
+            "exact-variance",
+        ]),
+        Absent::Word("mise"),
+        "what falls as samples grow",
+    ),
+    Parameter::optional(
+        "equals",
+        Kind::Real,
+        Absent::Unset,
+        "the expected exponent, below 0 for what falls",
+    ),
+    Parameter::optional(
+        "agrees-with",
+        Kind::Choice(&["exact"]),
+        Absent::Unset,
+        "instead of a number: the slope of the exact values at the same sizes",
+    ),
+    Parameter::required(
+        "margin",
+        Kind::Between(0.0, 0.25),
+        "how far off is still equal: the whole interval for the slope must lie inside",
+    ),
+    CONFIDENCE,
+];
+
 /// `oracle`.
 pub(crate) const ORACLE: &[Parameter] = &[
     Parameter::required(
         "quantity",
-        Kind::Choice(&["h_mise", "mise", "bias2", "variance", "h_amise", "amise"]),
+        Kind::Choice(&[
+            "h_mise",
+            "mise",
+            "bias2",
+            "variance",
+            "h_amise",
+            "amise",
+            "amise_over_mise",
+        ]),
         "which figure of the theory",
     ),
     Parameter::optional(
@@ -166,6 +238,12 @@ pub(crate) const ORACLE: &[Parameter] = &[
         Kind::Choice(&Shape::NAMES),
         Absent::Word("gaussian"),
         "the kernel",
+    ),
+    Parameter::optional(
+        "symmetry",
+        Kind::Choice(&Symmetry::NAMES),
+        Absent::Word("product"),
+        "in the plane: a kernel of each axis or one of the distance",
     ),
     Parameter::required("equals", Kind::Positive, "the expected value"),
     Parameter::optional(

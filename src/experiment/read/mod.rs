@@ -25,6 +25,7 @@ pub(crate) mod figure;
 pub(crate) mod form;
 pub(crate) mod grid;
 mod names;
+mod rate;
 mod setting;
 mod single;
 pub(crate) mod source;

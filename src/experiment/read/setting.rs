@@ -17,6 +17,8 @@ pub(super) struct Setting<'s> {
     pub(super) dimensions: Option<usize>,
     /// Whether the truth is known.
     pub(super) truth: Option<bool>,
+    /// Whether the coverage of intervals is counted.
+    pub(super) interval: bool,
     /// The least ∫f² of the sources, where they are known: the error of an estimate that is zero everywhere.
     pub(super) power: Option<f64>,
     /// The names of the estimates of the error.

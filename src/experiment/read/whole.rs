@@ -34,6 +34,10 @@ pub(crate) const KEYS: &[(&str, &str)] = &[
         "where estimates are evaluated and errors integrated; chosen from the source by default",
     ),
     (
+        "interval",
+        "the confidence of an interval about each estimate at each target, whose coverage is then counted; none by default",
+    ),
+    (
         "estimator",
         "what is compared: a name and one kind with its settings",
     ),
@@ -144,6 +148,10 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
 }
 
 /// Reads all of the document; `None` if anything of the result is missing, which has then been reported.
+#[expect(
+    clippy::too_many_lines,
+    reason = "one part of the file after the other"
+)]
 pub(super) fn experiment(
     reader: &mut Reader,
     document: &toml::Spanned<toml::de::DeTable<'_>>,
@@ -153,6 +161,9 @@ pub(super) fn experiment(
     let mut top = Table::new(document.get_ref(), 0..0, "the experiment");
     let folder = origin.parent().unwrap_or(Path::new(""));
     let head = head(reader, &mut top, folder);
+    let interval = top
+        .take("interval")
+        .and_then(|entry| interval(reader, entry));
     let (groups, names) = estimators(reader, &mut top);
     let theory = match (&head.sources, &head.draws) {
         (Some(sources), Some(draws)) => try_building(reader, &groups, sources, draws),
@@ -198,6 +209,7 @@ pub(super) fn experiment(
             .as_ref()
             .and_then(|sources| Some(sources.first()?.spec.dimensions())),
         truth: head.truth,
+        interval: interval.is_some(),
         power: head.sources.iter().flatten().fold(None, |least, read| {
             let power = read.truth.clone()?.line()?.roughness(0);
             Some(least.map_or(power, |least: f64| least.min(power)))
@@ -228,6 +240,7 @@ pub(super) fn experiment(
         replicates: head.replicates?,
         stop: head.stop,
         grid: head.grid,
+        interval,
         estimators: groups.into_iter().flat_map(|group| group.members).collect(),
         uncertainties: uncertainties?,
         figures: figures?,
@@ -246,6 +259,22 @@ pub(super) fn experiment(
         }
     }
     Some(experiment)
+}
+
+/// The confidence of intervals; `None` for what is wrong, which has been reported.
+fn interval(reader: &mut Reader, entry: Entry<'_>) -> Option<f64> {
+    let confidence = reader.real(entry.item, "`interval`")?;
+    let legal = (0.5..=0.9999).contains(&confidence);
+    if !legal {
+        reader.report(
+            Problem::at(
+                entry.item.span(),
+                format!("{confidence} is no confidence for an interval"),
+            )
+            .allowed("a number from 0.5 to 0.9999"),
+        );
+    }
+    legal.then_some(confidence)
 }
 
 fn draws(

@@ -8,7 +8,7 @@ use crate::experiment::catalogue::{Builds, Entry};
 use crate::experiment::{
     Experiment, FigureKind, GridSpec, Limits, PathSpec, SourceSpec, catalogue,
 };
-use crate::kernel::Shape;
+use crate::kernel::{Shape, Symmetry};
 use crate::sample::{Clustered, Sample, Source, file};
 use crate::space::{Domain, Grid, Point, Polygon};
 use crate::theory::{self, Optimum, Oracle};
@@ -161,8 +161,13 @@ impl<const D: usize> Bench<D> {
     }
 
     /// What theory says of kernel estimates from a source with samples of `draws` points, where it says anything.
-    pub fn oracle(&self, source: usize, shape: Shape, draws: usize) -> Option<Oracle> {
-        theory::kernel_oracle(&**self.truth(source)?, shape, draws as f64)
+    pub fn oracle(
+        &self,
+        source: usize,
+        (shape, symmetry): (Shape, Symmetry),
+        draws: usize,
+    ) -> Option<Oracle> {
+        theory::kernel_oracle(&**self.truth(source)?, shape, symmetry, draws as f64)
     }
 
     /// The best of all estimators that differ from number `estimator` in their bandwidth or width alone, by theory.

@@ -1,10 +1,12 @@
 //! The unit of work: one estimator on one block of replicates.
 
 use super::{Bench, Failure, RunError};
-use crate::accuracy::{Errors, Tally};
+use crate::accuracy::{Coverage, Errors, Tally, reach};
+use crate::estimator::{Estimate, Estimator};
 use crate::experiment::uncertainty::Said;
 use crate::numeric::Sum;
 use crate::random;
+use crate::sample::Sample;
 use crate::space::{Field, Point, RIPPLE, Raster, Targets, Warning, mode_count};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -50,6 +52,9 @@ pub struct Record {
     /// What each estimate of the error said.
     #[serde(default)]
     pub said: Vec<Said>,
+    /// How often intervals about the estimate held what they are about, where the experiment asks for them and the estimator has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<Coverage>,
 }
 
 /// The replicates of a block.
@@ -73,7 +78,9 @@ pub(super) fn compute<const D: usize>(
         warnings: Vec::new(),
         engine: None,
         said: vec![Said::default(); setting.uncertainties.len()],
+        coverage: None,
     };
+    let mut intervals = Intervals::new(bench, cell);
     for replicate in replicates(bench, cell.block) {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -144,12 +151,61 @@ pub(super) fn compute<const D: usize>(
             setting.restrict(&mut squared);
             said.add(&squared, measure);
         }
+        if let Some(intervals) = &mut intervals {
+            intervals.note(&estimate, &sample, values, setting.truth.as_deref());
+        }
         match &setting.truth {
             Some(truth) => record.tally.add(values, truth),
             None => record.tally.add(values, &vec![0.0; values.len()]),
         }
     }
+    record.coverage = intervals.and_then(|intervals| intervals.found);
     Ok(Some(record))
+}
+
+/// The intervals about the estimates of a cell.
+struct Intervals<'a, const D: usize> {
+    estimator: &'a dyn Estimator<D>,
+    places: Vec<Point<D>>,
+    /// Half of their length, in deviations.
+    reach: f64,
+    /// What the estimates expect.
+    mean: Option<Vec<f64>>,
+    found: Option<Coverage>,
+}
+
+impl<'a, const D: usize> Intervals<'a, D> {
+    /// `None` where the experiment does not ask for them.
+    fn new(bench: &'a Bench<D>, cell: Cell) -> Option<Self> {
+        let confidence = bench.experiment().interval?;
+        let setting = bench.setting(cell.source, cell.size);
+        let estimator = &*setting.estimators[cell.estimator];
+        let places: Vec<Point<D>> = setting.grid.centres().collect();
+        let moments = bench
+            .truth(cell.source)
+            .and_then(|truth| estimator.expectation(&**truth, setting.draws, &places));
+        Some(Self {
+            estimator,
+            reach: reach(confidence),
+            mean: moments.map(|moments| moments.iter().map(|m| m.mean).collect()),
+            places,
+            found: None,
+        })
+    }
+
+    fn note(
+        &mut self,
+        estimate: &Estimate<D>,
+        sample: &Sample<D>,
+        values: &[f64],
+        truth: Option<&[f64]>,
+    ) {
+        let variance = self.estimator.variance(estimate, sample, &self.places);
+        let Some(variance) = variance else { return };
+        let half: Vec<f64> = variance.iter().map(|v| self.reach * v.sqrt()).collect();
+        let found = self.found.get_or_insert_default();
+        found.add(values, &half, self.mean.as_deref(), truth);
+    }
 }
 
 /// The stream that draws replicate number `replicate`: common to all estimators, sizes and sources, so that comparisons are paired.

@@ -68,6 +68,7 @@ mod tests {
             warnings: Vec::new(),
             engine: Some("direct".to_owned()),
             said: Vec::new(),
+            coverage: None,
         }
     }
 

@@ -3,9 +3,12 @@
 //! Figures and page are drawn from results alone; nothing is simulated here. The only estimates computed are those of the first
 //! sample, which is drawn again from its own random stream.
 
+mod convergence;
+mod coverage;
 mod efficiency;
 mod errors;
 mod fine;
+mod local;
 mod page;
 mod pictures;
 mod plane;
@@ -134,6 +137,7 @@ where
         table::replicates(results),
         table::pairs(results),
         table::curves(results, &first),
+        table::coverage(bench.experiment(), results),
         table::claims(bench.experiment(), verdicts),
         table::uncertainties(bench.experiment(), results),
     ] {

@@ -1,6 +1,9 @@
 //! From the figures an experiment asks for to drawings.
 
-use super::{Draws, Fine, Material, Paper, efficiency, errors, sweep, uncertain};
+use super::{
+    Draws, Fine, Material, Paper, convergence, coverage, efficiency, errors, local, sweep,
+    uncertain,
+};
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::{Figure, FigureKind, SourceSpec};
 use crate::report::figure::{Axis, Curves, ModeCounts, Modes, Multiples, Role, Series, Small, Svg};
@@ -48,6 +51,10 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
                     curves(material, fine, figure, index, show, *panels)
                 }
                 FigureKind::Efficiency {} => efficiency::draw(material, figure, group),
+                FigureKind::LocalBandwidth { kernel } => {
+                    local::draw(material, figure, group, kernel)
+                }
+                FigureKind::Coverage {} => coverage::draw(material, figure, group),
                 _ => match common(material, figure, group) {
                     Some(svg) => svg,
                     None => continue,
@@ -70,6 +77,9 @@ where
 {
     match &figure.kind {
         FigureKind::Errors { measure } => Some(errors::draw(material, figure, group, measure)),
+        FigureKind::Convergence { measure } => {
+            Some(convergence::draw(material, figure, group, measure))
+        }
         FigureKind::Modes {} => Some(mode_counts(material, figure, group)),
         FigureKind::Sweep { of, mark } => Some(sweep::draw(material, figure, group, of, mark)),
         FigureKind::Uncertainty { at, calibrated } => {

@@ -4,7 +4,7 @@ use super::{Draws, Material, Paper};
 use crate::experiment::judge::swept;
 use crate::experiment::results::Group;
 use crate::experiment::{Figure, Measure};
-use crate::kernel::Shape;
+use crate::kernel::{Shape, Symmetry};
 use crate::report::figure::{Axis, Marker, Measured, Part, Svg, Sweep, Trace};
 use crate::theory::{self, Oracle};
 
@@ -66,12 +66,39 @@ where
         description: figure.caption.clone(),
         x: Axis::new(parameter(material, of), "").logarithmic(),
         y: Axis::new("integrated squared error", "").logarithmic(),
-        traces: traces(material, group, of),
+        traces: traces(material, group, of)
+            .into_iter()
+            .chain(leading(material, group, of, mark))
+            .collect(),
         markers: markers(material, group, of, mark),
         interval: "95 % interval".to_owned(),
         minima: minima(material, group, of),
     }
     .draw()
+}
+
+/// The leading terms of the MISE along a sweep of bandwidths, if they are asked for and exist.
+fn leading<const D: usize>(
+    material: &Material<'_, D>,
+    group: &Group<D>,
+    of: &str,
+    mark: &[String],
+) -> Option<Trace> {
+    if !mark.iter().any(|name| name == "amise") {
+        return None;
+    }
+    let kernel = kernel_of(material, of)?;
+    let oracle = material.bench.oracle(group.source, kernel, group.draws)?;
+    let asymptotic = oracle.asymptotic.ok()?;
+    Some(Trace {
+        name: "AMISE".to_owned(),
+        part: Part::Other(3),
+        exact: members(material, of)
+            .into_iter()
+            .map(|(h, _)| (h, asymptotic.at(h).mise()))
+            .collect(),
+        measured: Vec::new(),
+    })
 }
 
 /// MISE and its two parts along a sweep.
@@ -102,8 +129,8 @@ fn minima<const D: usize>(
     group: &Group<D>,
     of: &str,
 ) -> Vec<(f64, f64)> {
-    let oracle = shape_of(material, of)
-        .and_then(|shape| material.bench.oracle(group.source, shape, group.draws));
+    let oracle = kernel_of(material, of)
+        .and_then(|kernel| material.bench.oracle(group.source, kernel, group.draws));
     let Some(Oracle { optimum, .. }) = oracle else {
         return Vec::new();
     };
@@ -118,10 +145,12 @@ fn minima<const D: usize>(
 }
 
 /// The kernel that a sweep's estimators have in common, where they have one.
-fn shape_of<const D: usize>(material: &Material<'_, D>, of: &str) -> Option<Shape> {
+fn kernel_of<const D: usize>(material: &Material<'_, D>, of: &str) -> Option<(Shape, Symmetry)> {
     let &(_, number) = members(material, of).first()?;
-    let spec = &material.bench.experiment().estimators[number];
-    spec.values.word("shape").and_then(Shape::named)
+    let values = &material.bench.experiment().estimators[number].values;
+    let shape = values.word("shape").and_then(Shape::named)?;
+    let symmetry = values.word("symmetry").and_then(Symmetry::named);
+    Some((shape, symmetry.unwrap_or_default()))
 }
 
 /// What the swept parameter is called on an axis.
@@ -148,10 +177,10 @@ pub(super) fn markers<const D: usize>(
 where
     Paper: Draws<D>,
 {
-    let Some(shape) = shape_of(material, of) else {
+    let Some(kernel) = kernel_of(material, of) else {
         return Vec::new();
     };
-    let oracle = material.bench.oracle(group.source, shape, group.draws);
+    let oracle = material.bench.oracle(group.source, kernel, group.draws);
     mark.iter()
         .filter_map(|name| {
             let at = match name.as_str() {
@@ -160,7 +189,8 @@ where
                     .as_ref()
                     .and_then(|oracle| oracle.asymptotic.as_ref().ok())
                     .map(theory::Asymptotic::best),
-                rule => Paper::typical(material, group, rule, shape),
+                "amise" => None,
+                rule => Paper::typical(material, group, rule, kernel.0),
             }?;
             let name = match name.as_str() {
                 "h_mise" => "h MISE",

@@ -101,19 +101,33 @@ fn measured(heading: &str, measure: Measure) -> Column<'_> {
 }
 
 fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
+    let mut columns = vec![
+        measured("MISE", Measure::Mise),
+        measured("exact", Measure::ExactMise),
+        measured("over best", Measure::OverBest),
+        measured("over local best", Measure::OverLocalBest),
+        measured("MIAE", Measure::Miae),
+        measured("MIRE", Measure::Mire),
+        measured("energy", Measure::Energy),
+        measured("modes", Measure::Modes),
+    ];
+    // no column stays empty
+    for (heading, measure) in [
+        ("over best", Measure::OverBest),
+        ("over local best", Measure::OverLocalBest),
+    ] {
+        let known = |outcome: &Outcome| outcome.measures.contains_key(&measure);
+        if !group.outcomes.iter().any(known) {
+            columns.retain(|(other, _)| *other != heading);
+        }
+    }
     table(
         format!("Errors: {name}"),
-        "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. MIRE where the truth is at \
-         least 1 % of its peak. Energy: the integral of the estimate over the grid relative to the truth's.",
+        "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. Over best: the \
+         MISE relative to that of the best bandwidth, width or number of terms of the same kind by theory, over the whole line; over local best: to that of the best bandwidth at \
+         each place. MIRE where the truth is at least 1 % of its peak. Energy: the integral of the estimate over the grid relative to the truth's.",
         group,
-        &[
-            measured("MISE", Measure::Mise),
-            measured("exact", Measure::ExactMise),
-            measured("MIAE", Measure::Miae),
-            measured("MIRE", Measure::Mire),
-            measured("energy", Measure::Energy),
-            measured("modes", Measure::Modes),
-        ],
+        &columns,
     )
 }
 

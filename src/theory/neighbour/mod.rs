@@ -1,10 +1,17 @@
 //! Mean and variance of nearest-neighbour estimates, from the exact distribution of the distance to the k-th neighbour.
 
+mod disc;
+mod error;
+
+pub use error::NeighbourError;
+pub(super) use error::best_count;
+
 use super::Moments;
-use crate::density::Density;
+use crate::density::{Density, Univariate};
 use crate::neighbour::Metric;
 use crate::numeric::{GaussLegendre, Sum};
 use crate::space::Point;
+use disc::Disc;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -34,11 +41,11 @@ impl Convention {
 }
 
 /// Mean and variance of the k-nearest-neighbour estimate from `draws` points of `truth` at each of `places`; `None` where the probability of a ball
-/// is not known, that is for what is neither on a line nor even on a domain that wraps round on each axis, and where there are too few draws.
+/// is not known, that is for what is not even on a domain that wraps round, for the mean radius in the plane, and where there are too few draws.
 ///
 /// The probability p of the ball out to the k-th neighbour has the Beta(k, n - k + 1) distribution whatever the density, and of what is left the next
 /// neighbour's shell takes a Beta(1, n - k) share: one or two quadratures over p, with the radius found by inverting the probability of the ball. Good to 1e-9; some
-/// hundred microseconds a place, milliseconds for the mean radius. The variance is infinite at k = 2 where the density is positive.
+/// hundred microseconds a place, milliseconds for the mean radius. In the plane the probability of discs is tabulated first, in a millisecond a place. The variance is infinite at k = 2 where the density is positive.
 pub fn neighbour_moments<const D: usize>(
     truth: &dyn Density<D>,
     k: usize,
@@ -50,36 +57,93 @@ pub fn neighbour_moments<const D: usize>(
     if k < 2 || draws < least {
         return None;
     }
-    let metric = Metric::new(truth.domain());
-    if let Some(level) = truth.level().filter(|_| metric.round()) {
-        let ball = Ball {
-            mass: |r| (level * metric.ball(r)).min(1.0),
-            volume: |r| metric.ball(r),
-            largest: 0.5 * metric.diagonal(),
-            kinks: vec![0.5 * metric.period(0), 0.5 * metric.period(D - 1)],
-            positive: level > 0.0,
+    Places::new(truth, places)?.moments(k, convention, draws)
+}
+
+/// What moments at some places need, whatever k and n are.
+pub(super) struct Places<'a, const D: usize> {
+    truth: &'a dyn Density<D>,
+    metric: Metric<D>,
+    targets: &'a [Point<D>],
+    /// In the plane, one a place.
+    discs: Vec<Disc>,
+}
+
+impl<'a, const D: usize> Places<'a, D> {
+    /// `None` where the probability of balls is not known.
+    pub(super) fn new(truth: &'a dyn Density<D>, places: &'a [Point<D>]) -> Option<Self> {
+        let metric = Metric::new(truth.domain());
+        let level = metric.round() && truth.level().is_some();
+        if !level && metric.wraps() {
+            return None;
+        }
+        let discs = match truth.bivariate() {
+            Some(plane) if !level => (places.par_iter())
+                .map(|x| Disc::about(plane, [x[0], x[1]]))
+                .collect(),
+            None if !level => truth.univariate().map(|_| Vec::new())?,
+            _ => Vec::new(),
         };
-        return Some(vec![ball.moments(k, convention, draws); places.len()]);
+        Some(Self {
+            truth,
+            metric,
+            targets: places,
+            discs,
+        })
     }
-    let line = truth.univariate()?;
-    if metric.wraps() {
-        return None;
+
+    pub(super) fn moments(
+        &self,
+        k: usize,
+        convention: Convention,
+        draws: usize,
+    ) -> Option<Vec<Moments>> {
+        let Self {
+            truth,
+            metric,
+            targets: places,
+            discs,
+        } = self;
+        if let Some(level) = truth.level().filter(|_| metric.round()) {
+            let ball = Ball {
+                mass: |r| (level * metric.ball(r)).min(1.0),
+                volume: |r| metric.ball(r),
+                largest: 0.5 * metric.diagonal(),
+                kinks: vec![0.5 * metric.period(0), 0.5 * metric.period(D - 1)],
+                positive: level > 0.0,
+            };
+            return Some(vec![ball.moments(k, convention, draws); places.len()]);
+        }
+        if let Some(line) = truth.univariate() {
+            let at = |x: &Point<D>| on_line(line, x[0], k, convention, draws);
+            return Some(places.par_iter().map(at).collect());
+        }
+        if convention == Convention::MeanRadius {
+            return None;
+        }
+        let at = |disc: &Disc| disc.moments(k, convention, draws);
+        Some(discs.par_iter().map(at).collect())
     }
+}
+
+/// The moments at one place of a line.
+fn on_line(
+    line: &dyn Univariate,
+    x: f64,
+    k: usize,
+    convention: Convention,
+    draws: usize,
+) -> Moments {
     let ([low], [high]) = line.bulk(1e-18);
-    let breaks = line.breaks(0);
-    let at = |x: &Point<D>| {
-        let x = x[0];
-        let ball = Ball {
-            // the shorter of the two tails loses no digits
-            mass: |r: f64| line.probability([x - r], [x + r]),
-            volume: |r: f64| 2.0 * r,
-            largest: (x - low).abs().max((high - x).abs()),
-            kinks: breaks.iter().map(|cut| (cut - x).abs()).collect(),
-            positive: line.at([x]) > 0.0,
-        };
-        ball.moments(k, convention, draws)
+    let ball = Ball {
+        // the shorter of the two tails loses no digits
+        mass: |r: f64| line.probability([x - r], [x + r]),
+        volume: |r: f64| 2.0 * r,
+        largest: (x - low).abs().max((high - x).abs()),
+        kinks: line.breaks(0).iter().map(|cut| (cut - x).abs()).collect(),
+        positive: line.at([x]) > 0.0,
     };
-    Some(places.par_iter().map(at).collect())
+    ball.moments(k, convention, draws)
 }
 
 /// The k that makes the asymptotic mean squared error at a place least, for the density `f` and its second derivative (the Laplacian in the plane)
