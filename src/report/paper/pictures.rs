@@ -101,7 +101,10 @@ pub(super) fn shows<const D: usize>(
 }
 
 pub(super) fn picture<const D: usize>(figure: &Figure, of: Option<&Group<D>>, svg: Svg) -> Picture {
+    // what is over all sizes is of none
+    let over_sizes = matches!(figure.kind, FigureKind::Convergence { .. });
     let title = match of {
+        Some(group) if over_sizes => format!("{} — {}", figure.title, group.name),
         Some(group) => format!("{} — {}, n = {}", figure.title, group.name, group.draws),
         None => figure.title.clone(),
     };
