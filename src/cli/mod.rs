@@ -24,6 +24,7 @@ mod select;
 mod sketch;
 mod stop;
 mod summary;
+mod trace;
 
 use clap::{Parser, Subcommand};
 use notes::Notes;
@@ -54,6 +55,7 @@ Examples:
   lab oracle --density bimodal --n 200            the best bandwidth, exactly
   lab select points.csv --column x                every rule for a bandwidth, side by side
   lab sample --density bimodal --n 200 | lab estimate - --estimator 'kernel = { bandwidth = 0.3 }'
+  lab trace data/scenes/cornell-box-rgb.toml --photons 1e5 -o hits.csv
   lab estimate data/old_faithful_107/old_faithful_107.csv --column eruption_min \\
       --estimator 'kernel = { shape = \"epanechnikov\", bandwidth = \"silverman\" }' -o density.csv
 
@@ -70,6 +72,7 @@ enum Command {
     Sample(sample::Sample),
     Diff(diff::Diff),
     Doctor(doctor::Doctor),
+    Trace(trace::Trace),
     Schema(schema::Schema),
     Completions(completions::Completions),
 }
@@ -86,6 +89,7 @@ impl Command {
             Self::Sample(sample) => sample.run(),
             Self::Diff(diff) => diff.run(notes),
             Self::Doctor(doctor) => doctor.run(notes),
+            Self::Trace(trace) => trace.run(notes),
             Self::Schema(_) => schema::Schema::run(),
             Self::Completions(completions) => completions.run(),
         }

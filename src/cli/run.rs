@@ -168,7 +168,7 @@ impl Run {
         let bench = Bench::<D>::new(experiment).map_err(stop)?;
         let bar = Bar::new(notes);
         let finished = run::run(&bench, &folder, interrupt::graceful(), &bar);
-        bar.0.finish_and_clear();
+        bar.clear();
         let (bench, finished) = finished.map_err(stop)?.on_what_is_left(bench);
         let results = Results::gather(&bench, finished);
         let verdicts = judge(&bench, &results);
@@ -262,10 +262,11 @@ fn stop(error: RunError) -> Stop {
 }
 
 /// The work that is left, on a terminal.
-struct Bar(ProgressBar);
+pub struct Bar(ProgressBar);
 
 impl Bar {
-    fn new(notes: Notes) -> Self {
+    /// A bar on a terminal; otherwise none.
+    pub fn new(notes: Notes) -> Self {
         if notes.quiet || !std::io::stderr().is_terminal() {
             return Self(ProgressBar::hidden());
         }
@@ -282,6 +283,13 @@ impl Bar {
             |_| ProgressBar::no_length(),
             |style| ProgressBar::no_length().with_style(style),
         ))
+    }
+}
+
+impl Bar {
+    /// Takes it away.
+    pub fn clear(&self) {
+        self.0.finish_and_clear();
     }
 }
 

@@ -3,9 +3,13 @@
 //! A hit is flux *before* absorption, so that the density of hits over a surface, weighted by their flux, is irradiance. Weights are Φ/N where N
 //! counts **emitted** paths, never hits. Coordinates and fluxes are kept in single precision, 36 bytes a hit.
 
+mod file;
 mod record;
+mod spool;
 
+pub use file::{Format, HitsError, read};
 pub use record::Record;
+pub use spool::{Piece, Spool};
 
 use super::cie;
 use super::scene::{Scene, Shape};

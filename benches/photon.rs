@@ -1,0 +1,119 @@
+//! Rays and photons per second: the empty box, the box with blocks, a mesh of 14 000 triangles.
+#![allow(missing_docs)]
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use density_lab::light::material::{Lambertian, Material, cosine_direction};
+use density_lab::light::scene::{Mesh, Scene, Shape, Surface, read};
+use density_lab::light::spectrum::{Colour, Spectrum};
+use density_lab::light::vector::{Ray, Vector};
+use density_lab::light::walk::{BLOCK, Power, Walk};
+use density_lab::random::stream;
+use rand::RngExt;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+use std::sync::Arc;
+
+fn shipped(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes");
+    read::scene(&folder.join(name)).expect("a shipped scene")
+}
+
+/// The box with a knobbly ball of 2 × 84 × 84 triangles instead of blocks.
+fn mesh() -> Scene {
+    const STEPS: u32 = 84;
+    let corner = |i: u32, j: u32| {
+        let theta = PI * f64::from(i) / f64::from(STEPS);
+        let phi = TAU * f64::from(j % STEPS) / f64::from(STEPS);
+        let radius = 0.5 + 0.05 * (7.0 * theta).sin() * (9.0 * phi).cos();
+        let direction = Vector::new(
+            theta.sin() * phi.cos(),
+            theta.cos(),
+            theta.sin() * phi.sin(),
+        );
+        direction * radius - Vector::new(0.0, 0.3, 0.0)
+    };
+    let mut triangles = Vec::new();
+    for i in 0..STEPS {
+        for j in 0..STEPS {
+            let [a, b, c, d] =
+                [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| corner(i, j));
+            // at the poles one of the two has no area
+            if i > 0 {
+                triangles.push([a, b, c]);
+            }
+            if i + 1 < STEPS {
+                triangles.push([a, c, d]);
+            }
+        }
+    }
+    let empty = shipped("cornell-box-rgb-empty.toml");
+    let mut surfaces = empty.surfaces().to_vec();
+    surfaces.push(Surface {
+        name: "ball".to_owned(),
+        shape: Shape::Mesh(Mesh::new(&triangles).expect("a mesh")),
+        material: Arc::new(Material::Lambertian(Lambertian {
+            reflectance: Spectrum::Flat(0.7),
+        })),
+        emission: None,
+    });
+    Scene::new(surfaces, Colour::Rgb, false).expect("a scene")
+}
+
+/// Rays as a walk has them: from surfaces, with the cosine.
+fn rays(scene: &Scene, count: usize) -> Vec<Ray> {
+    let mut random = stream(1, "rays", 0);
+    let shapes: Vec<(usize, &Surface)> = scene.surfaces().iter().enumerate().collect();
+    (0..count)
+        .map(|k| {
+            let (index, surface) = shapes[k % shapes.len()];
+            let [choice, s, t, u, v] = std::array::from_fn(|_| random.random::<f64>());
+            let (part, origin) = surface.shape.draw(choice, s, t);
+            Ray {
+                origin,
+                direction: cosine_direction(surface.shape.normal(part, origin), u, v),
+                leaving: scene.primitive(index, part),
+            }
+        })
+        .collect()
+}
+
+fn photon(criterion: &mut Criterion) {
+    let scenes = [
+        ("box", shipped("cornell-box-rgb-empty.toml")),
+        ("box with blocks", shipped("cornell-box-rgb.toml")),
+        ("mesh", mesh()),
+    ];
+    let mut group = criterion.benchmark_group("rays");
+    for (name, scene) in &scenes {
+        let rays = rays(scene, 4096);
+        group.throughput(Throughput::Elements(rays.len() as u64));
+        group.bench_function(BenchmarkId::from_parameter(name), |bench| {
+            bench.iter(|| {
+                rays.iter()
+                    .filter_map(|ray| scene.caster().nearest(ray, f64::INFINITY))
+                    .map(|found| found.distance)
+                    .sum::<f64>()
+            });
+        });
+    }
+    group.finish();
+    for what in ["segments", "photons"] {
+        let mut group = criterion.benchmark_group(what);
+        for (name, scene) in &scenes {
+            let walk = Walk::new(scene, Power::Same, 64 * BLOCK, 1).expect("a walk");
+            let segments = walk.trace(0).ledger.segments;
+            group.throughput(Throughput::Elements(if what == "photons" {
+                BLOCK
+            } else {
+                segments
+            }));
+            group.bench_function(BenchmarkId::from_parameter(name), |bench| {
+                bench.iter(|| walk.trace(0).records.len());
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, photon);
+criterion_main!(benches);
