@@ -47,18 +47,32 @@ pub fn corrected_moments(
     } else {
         [low, high]
     };
-    Some(equivalent_moments(
-        truth,
+    let longest = if narrow {
+        longest
+    } else {
+        0.125 * h.min(high - low)
+    };
+    let n = draws as f64;
+    let inside = equivalent_moments(truth, |y| kernel([y]), range, cuts.clone(), longest, n);
+    let Some((whole, factor)) = truth.beyond().filter(|_| boundary.sees_beyond()) else {
+        return Some(inside);
+    };
+    // until n points have fallen inside, a number beyond that has the negative binomial distribution: n var f̂ is ∫κ² over all of f, less (∫κ inside)², plus (∫κ beyond)²
+    let all = equivalent_moments(
+        whole,
         |y| kernel([y]),
-        range,
+        [x - reach, x + reach],
         cuts,
-        if narrow {
-            longest
-        } else {
-            0.125 * h.min(high - low)
-        },
-        draws as f64,
-    ))
+        longest,
+        n,
+    );
+    let square = factor * (n * all.variance + all.mean * all.mean);
+    let mean = factor * all.mean;
+    let beyond = mean - inside.mean;
+    Some(Moments {
+        mean,
+        variance: ((square - inside.mean * inside.mean + beyond * beyond) / n).max(0.0),
+    })
 }
 
 /// The same in the plane, on boxes and polygons, by quadrature over what the walls leave of the support of the kernel.

@@ -3,6 +3,7 @@
 //! | name | the estimate near a wall | mass | sign | bias at the wall | file |
 //! |---|---|---|---|---|---|
 //! | ignore | the sum as it is | lost | ≥ 0 | half of f | `ignore.rs` |
+//! | virtual-margin | and the bumps of what was registered beyond the wall | O(h²) | ≥ 0 | O(h²) where the density goes on smoothly; half of f where nothing is beyond | `virtual_margin.rs` |
 //! | reflect | and the sum over mirrored points | kept | ≥ 0 | O(h), none for a uniform density | `reflect.rs` |
 //! | normalise | over the share of the kernel inside, target by target | not kept | ≥ 0 | O(h), none for a uniform density | `normalise.rs` |
 //! | normalise-points | each bump over its own share inside | kept | ≥ 0 | O(1) on the wall itself, even for a uniform density | `normalise.rs` |
@@ -24,6 +25,7 @@ mod moments;
 mod nearby;
 mod normalise;
 mod reflect;
+mod virtual_margin;
 mod within;
 mod wrap;
 
@@ -34,6 +36,7 @@ pub use local_linear::LocalLinear;
 pub use moments::DomainMoments;
 pub use normalise::{NormalisePoints, NormaliseTargets};
 pub use reflect::Reflect;
+pub use virtual_margin::VirtualMargin;
 pub use wrap::apply;
 
 use crate::kernel::KernelSum;
@@ -97,12 +100,18 @@ pub trait Boundary<const D: usize>: Send + Sync {
         domain: &'a Domain<D>,
         x: Point<D>,
     ) -> Option<Equivalent<'a, D>>;
+
+    /// Whether points beyond the domain ([`Sample::margin`](crate::sample::Sample::margin)) count with the same κ.
+    fn sees_beyond(&self) -> bool {
+        false
+    }
 }
 
 /// Every treatment, in the order of the table above; to add one, add a line.
-pub fn all<const D: usize>() -> [Box<dyn Boundary<D>>; 6] {
+pub fn all<const D: usize>() -> [Box<dyn Boundary<D>>; 7] {
     [
         Box::new(Ignore),
+        Box::new(VirtualMargin),
         Box::new(Reflect),
         Box::new(NormaliseTargets),
         Box::new(NormalisePoints),
@@ -112,8 +121,9 @@ pub fn all<const D: usize>() -> [Box<dyn Boundary<D>>; 6] {
 }
 
 /// The names in the order of [`all`].
-pub const NAMES: [&str; 6] = [
+pub const NAMES: [&str; 7] = [
     "ignore",
+    "virtual-margin",
     "reflect",
     "normalise",
     "normalise-points",

@@ -183,9 +183,11 @@ impl Estimate {
                 Ok((estimator, estimate))
             })?;
             let (places, evaluation) = phases.time("evaluate", || -> Result<_, Stop> {
-                let places = match given.take() {
-                    Some(places) => places,
-                    None => Places::Grid(around(&sample, estimate.smoothing)?),
+                let places = if let Some(places) = given.take() {
+                    places
+                } else {
+                    let width = estimate.smoothing.filter(|_| settings.smooths_by_length());
+                    Places::Grid(around(&sample, width)?)
                 };
                 let evaluation = estimate.evaluate(places.targets());
                 if let Some(why) = &evaluation.failure {
@@ -296,7 +298,7 @@ impl Estimate {
 }
 
 /// The range of the data and something more on each side, within the domain.
-fn around<const D: usize>(sample: &Sample<D>, smoothing: Option<f64>) -> Result<Grid<D>, Stop> {
+fn around<const D: usize>(sample: &Sample<D>, width: Option<f64>) -> Result<Grid<D>, Stop> {
     let (mut low, mut high) = ([0.0; D], [0.0; D]);
     let domain = sample.domain();
     for axis in 0..D {
@@ -306,7 +308,7 @@ fn around<const D: usize>(sample: &Sample<D>, smoothing: Option<f64>) -> Result<
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(x[axis]), high.max(x[axis]))
             });
-        let margin = smoothing.map_or(0.25 * (most - least), |h| 3.0 * h);
+        let margin = width.map_or(0.25 * (most - least), |h| 3.0 * h);
         low[axis] = (least - margin).max(domain.low()[axis]);
         high[axis] = (most + margin).min(domain.high()[axis]);
         let cells = [GridSpec::default_cells(D)];

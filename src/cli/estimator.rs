@@ -4,7 +4,7 @@ use super::stop::Stop;
 use crate::estimator::{Context, Estimator};
 use crate::experiment::catalogue::{self, Builds, Entry};
 use crate::experiment::{EstimatorSpec, read};
-use crate::parameter::{Kind, Value, listed, nearest};
+use crate::parameter::{Kind, Unit, Value, listed, nearest};
 
 /// What the text of an estimator is called in messages.
 const ORIGIN: &str = "--estimator";
@@ -49,6 +49,13 @@ impl Settings {
             spec.values.set(name, Value::Word(engine.to_owned()));
         }
         Ok(Self { entry, spec })
+    }
+
+    /// Whether what decides how smooth the estimate is is a length: not so for numbers of neighbours or terms.
+    pub fn smooths_by_length(&self) -> bool {
+        self.entry.parameters.iter().any(|parameter| {
+            Some(parameter.name) == self.entry.smoothing && parameter.unit == Unit::Length
+        })
     }
 
     /// What it is called in a legend.

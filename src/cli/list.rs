@@ -210,6 +210,31 @@ fn selectors() -> Vec<Row> {
         reference: entry.reference,
         ..Row::new(entry.name, entry.summary)
     });
+    let on_line = |name: &str| selector::entry_of(name).is_some();
+    let plane = selector::PLANE.iter().map(move |entry| Row {
+        cost: entry.cost,
+        reference: entry.reference,
+        ..Row::new(
+            format!(
+                "{}{}",
+                entry.name,
+                if on_line(entry.name) {
+                    " (in the plane)"
+                } else {
+                    ""
+                }
+            ),
+            entry.summary,
+        )
+    });
+    let others = selector::OTHERS.iter().map(|entry| Row {
+        cost: entry.cost,
+        reference: entry.reference,
+        ..Row::new(
+            format!("{} = {}", entry.parameter, entry.name),
+            entry.summary,
+        )
+    });
     let known = [
         Row::new("oracle", "the least exact MISE, where the truth is known"),
         Row::new(
@@ -221,7 +246,7 @@ fn selectors() -> Vec<Row> {
             "the least asymptotic MISE, where the truth is known",
         ),
     ];
-    named.chain(known).collect()
+    named.chain(known).chain(plane).chain(others).collect()
 }
 
 fn engines() -> Vec<Row> {

@@ -9,6 +9,7 @@
 //! | exponential decay from a wall, endless or cut off at 1 | `exponential`, `truncated-exponential` | `exponential.rs`, `truncated_exponential.rs` |
 //! | the right half of a normal | `half-normal` | `half_normal.rs` |
 //! | xᵃ⁻¹ (1 - x)ᵇ⁻¹ on \[0, 1\] | `beta` | `beta.rs` |
+//! | a window on another density, which goes on beyond it | `window`; in the plane `window-2d` | `window.rs`, `plane/window.rs` |
 //! | in the plane: normals, products, the unit square lit in several ways, rooms with polygons for walls | see `plane/` | `plane/` |
 //!
 //! To add a density: one file with its type and its [`Entry`], one line in [`CATALOGUE`]. The law tests find it there.
@@ -26,6 +27,7 @@ mod plane;
 mod ramp;
 mod truncated_exponential;
 mod uniform;
+mod window;
 
 pub use beta::Beta;
 pub use exponential::Exponential;
@@ -34,11 +36,12 @@ pub use marron_wand::marron_wand;
 pub use mixture::{MixtureError, NormalComponent, NormalMixture};
 pub use plane::{
     NormalAt, PlaneComponent, PlaneMixture, PlaneMixtureError, Product, Room, Smooth, Square,
-    SquarePart, normal_at,
+    SquarePart, WindowPlane, normal_at,
 };
 pub use ramp::{Direction, Ramp};
 pub use truncated_exponential::TruncatedExponential;
 pub use uniform::Uniform;
+pub use window::Window;
 
 use crate::parameter::{Absent, BuildError, Parameter, Values};
 use crate::random::Stream;
@@ -62,6 +65,12 @@ pub trait Density<const D: usize>: Field<D> {
 
     /// A box outside which at most `tail` of the mass lies on each side of each axis; finite.
     fn bulk(&self, tail: f64) -> (Point<D>, Point<D>);
+
+    /// What goes on beyond the domain, for a domain that is only a window: a density and the factor by which this one is that, so that f = factor · g on the domain. Points drawn from g that fall beyond are
+    /// what a virtual margin registers.
+    fn beyond(&self) -> Option<(&dyn Density<D>, f64)> {
+        None
+    }
 
     /// The value, where it is the same on all of the domain.
     fn level(&self) -> Option<f64> {
@@ -221,11 +230,13 @@ pub const CATALOGUE: &[&[Entry]] = &[
     truncated_exponential::ENTRIES,
     half_normal::ENTRIES,
     beta::ENTRIES,
+    window::ENTRIES,
     plane::mixture::ENTRIES,
     plane::product::ENTRIES,
     plane::square::ENTRIES,
     plane::smooth::ENTRIES,
     plane::room::ENTRIES,
+    plane::window::ENTRIES,
 ];
 
 /// All densities in the order of the catalogue.

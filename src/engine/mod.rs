@@ -35,7 +35,7 @@ pub use hermite::Hermite;
 pub use interval::Interval;
 pub use pairs::{CompactPairs, GaussianPairs};
 pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
-pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, Splat};
+pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, PlanePairs, Splat};
 pub use scatter::Scatter;
 pub use sorted::Sorted;
 

@@ -8,6 +8,7 @@ use crate::density::Density;
 use crate::neighbour::{Scratch, Searchable};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
+use crate::selector::{NeighbourRule, Neighbours};
 use crate::space::Point;
 use crate::theory::{Convention, neighbour_moments};
 
@@ -27,17 +28,26 @@ use crate::theory::{Convention, neighbour_moments};
 /// the ball is empty, and the estimate is near half of the density. Weights do not change which points are neighbours, only the mass they bring; among points
 /// equally far, which is the k-th is not known, and each brings the same share. At a place where k points or more coincide, d_k would be 0 and
 /// f̂ infinite; the first neighbour farther away is taken instead, with k the number of points out to it, and a warning.
+///
+/// k is a number, or chosen by leaving each datum out: see [`Neighbours`], which also says what may go wrong.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestNeighbour {
-    k: usize,
+    rank: Rank,
     convention: Convention,
+}
+
+/// Where k comes from.
+#[derive(Clone, Copy, Debug)]
+enum Rank {
+    Number(usize),
+    Chosen(NeighbourRule),
 }
 
 impl NearestNeighbour {
     /// With the `k`-th neighbour, k ≥ 2.
     pub fn new(k: usize, convention: Convention) -> Self {
         Self {
-            k: k.max(2),
+            rank: Rank::Number(k.max(2)),
             convention,
         }
     }
@@ -79,11 +89,21 @@ where
     }
 
     fn fit(&self, sample: &Sample<D>) -> Result<Estimate<D>, FitError> {
-        let least = match self.convention {
-            Convention::MeanRadius => self.k + 1,
-            Convention::Raw | Convention::Unbiased => self.k,
+        let (k, warnings) = match self.rank {
+            Rank::Number(k) => (k, Vec::new()),
+            Rank::Chosen(rule) => {
+                let chosen = Neighbours::new(sample).choose(rule)?;
+                (chosen.k, chosen.warnings)
+            }
         };
-        fit(sample, self.k, least, self.convention)
+        let least = match self.convention {
+            Convention::MeanRadius => k + 1,
+            Convention::Raw | Convention::Unbiased => k,
+        };
+        let mut estimate = fit(sample, k, least, self.convention)?;
+        estimate.smoothing = Some(k as f64);
+        estimate.warnings.extend(warnings);
+        Ok(estimate)
     }
 
     fn expectation(
@@ -92,7 +112,10 @@ where
         draws: usize,
         places: &[Point<D>],
     ) -> Option<Vec<Moments>> {
-        neighbour_moments(truth, self.k, self.convention, draws, places)
+        let Rank::Number(k) = self.rank else {
+            return None;
+        };
+        neighbour_moments(truth, k, self.convention, draws, places)
     }
 
     fn family(&self) -> Option<Family> {
@@ -111,6 +134,16 @@ pub(super) const K: Parameter = Parameter::required(
 )
 .swept();
 
+/// The same, or a rule.
+const CHOSEN_K: Parameter = Parameter {
+    kind: Kind::CountOr {
+        least: 2,
+        most: 1_000_000_000,
+        words: &NeighbourRule::NAMES,
+    },
+    ..K
+};
+
 impl Described for NearestNeighbour {
     const NAME: &'static str = "nearest-neighbour";
     const SUMMARY: &'static str =
@@ -120,7 +153,7 @@ impl Described for NearestNeighbour {
         "Loftsgaarden & Quesenberry 1965; Silverman 1986, eq. 5.1; Schregle 2003 (mean radius)";
     const SMOOTHING: Option<&'static str> = Some("k");
     const PARAMETERS: &'static [Parameter] = &[
-        K,
+        CHOSEN_K,
         Parameter::optional(
             "convention",
             Kind::Choice(&Convention::NAMES),
@@ -139,7 +172,19 @@ where
             .word("convention")
             .and_then(Convention::named)
             .unwrap_or(Convention::Unbiased);
-        Ok(Self::new(k(values), convention))
+        let Some(rule) = values.word("k").and_then(NeighbourRule::named) else {
+            return Ok(Self::new(k(values), convention));
+        };
+        if rule == NeighbourRule::LeastSquares && D > 1 {
+            return Err(BuildError {
+                parameter: "k",
+                what: "\"lscv\" chooses k on the line only; in the plane give a number or \"likelihood-cross-validation\"".to_owned(),
+            });
+        }
+        Ok(Self {
+            rank: Rank::Chosen(rule),
+            convention,
+        })
     }
 }
 

@@ -200,7 +200,7 @@ pub const ESTIMATORS: &[Entry] = &[
     both::<estimator::LegendreSeries, estimator::LegendreSeries>(),
     both::<estimator::FourierSeries, estimator::FourierSeries>(),
     line::<estimator::HermiteSeries>(),
-    line::<estimator::Abramson>(),
+    both::<estimator::Abramson, estimator::Abramson<2>>(),
     both::<estimator::Command, estimator::Command>(),
     both::<estimator::Normal, estimator::Normal>(),
     line::<estimator::NormalMixtureFit>(),

@@ -6,6 +6,7 @@
 mod clustered;
 mod drawn;
 pub mod file;
+mod margin;
 mod paths;
 mod source;
 mod summary;

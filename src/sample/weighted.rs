@@ -1,6 +1,7 @@
 //! The sample itself.
 
 use super::Paths;
+use super::margin::Margin;
 use crate::numeric::Sum;
 use crate::space::{Domain, Point};
 use std::sync::Arc;
@@ -40,6 +41,12 @@ pub enum SampleError {
         x: f64,
         /// Its second coordinate.
         y: f64,
+    },
+    /// A point of the margin that lies in the domain.
+    #[error("point {index} (counted from 0) of the margin lies inside the domain")]
+    Inside {
+        /// Which point.
+        index: usize,
     },
     /// Not one weight a point.
     #[error("{weights} weights for {points} points")]
@@ -106,6 +113,7 @@ pub struct Sample<const D: usize> {
     mass: f64,
     effective_size: f64,
     pub(super) paths: Option<Paths>,
+    pub(super) margin: Option<Arc<Margin<D>>>,
 }
 
 impl<const D: usize> Sample<D> {
@@ -168,6 +176,7 @@ impl<const D: usize> Sample<D> {
             mass,
             effective_size,
             paths: None,
+            margin: None,
         })
     }
 
@@ -221,7 +230,10 @@ impl<const D: usize> Sample<D> {
         }
     }
 
-    fn measure(points: &[Point<D>], weights: &Weights) -> Result<(f64, f64), SampleError> {
+    pub(super) fn measure(
+        points: &[Point<D>],
+        weights: &Weights,
+    ) -> Result<(f64, f64), SampleError> {
         let n = points.len() as f64;
         let (mass, squares) = match weights {
             Weights::Equal(w) => (w * n, w * w * n),
@@ -329,6 +341,10 @@ impl<const D: usize> Sample<D> {
             mass,
             effective_size,
             paths: self.paths.clone(),
+            margin: self
+                .margin
+                .as_ref()
+                .map(|margin| Arc::new(margin.channel(channel))),
         }
     }
 }

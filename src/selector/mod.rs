@@ -9,8 +9,11 @@
 //! | bcv | an estimate of AMISE | `biased.rs` |
 //! | oracle-ise | the error itself, where the truth is known | `least_ise.rs` |
 //! | likelihood-cross-validation, k-fold-likelihood | the surprise at a datum, given the others | `likelihood.rs` |
+//! | in the plane: silverman, normal-reference, scott | AMISE if the density were normal | `plane/mod.rs` |
+//! | in the plane: lscv, lscv-common | an unbiased estimate of MISE | `plane/least_squares.rs` |
 //!
-//! Widths of bins: `bin_width.rs` (rules) and `bin_search.rs` (Knuth, Stone).
+//! Widths of bins: `bin_width.rs` (rules) and `bin_search.rs` (Knuth, Stone). The number of neighbours: `neighbours.rs`. The number of terms of a series: with the series, which knows its functions.
+//! In the plane: `plane/`.
 //!
 //! # What all have in common
 //! - **Exact.** Criteria are sums over all pairs of data, computed to 1e-10 or better by [`GaussianPairs`](crate::engine::GaussianPairs) and
@@ -29,6 +32,8 @@ mod improved;
 mod least_ise;
 mod least_squares;
 mod likelihood;
+mod neighbours;
+mod others;
 mod plane;
 mod rules;
 mod search;
@@ -46,11 +51,13 @@ pub use improved::ImprovedSheatherJones;
 pub use least_ise::LeastIse;
 pub use least_squares::{LeastSquares, Unbiased};
 pub use likelihood::{FoldedLikelihood, Likelihood};
-pub use plane::NormalScale;
+pub use neighbours::{NeighbourRule, Neighbours, NeighboursChosen};
+pub use others::{OTHERS, Other};
+pub use plane::{NormalScale, PlaneLeastSquares};
 pub use rules::{NormalReference, Scott, Silverman};
 pub use sheather_jones::{DirectPlugIn, SheatherJones};
 
-use crate::kernel::{Bandwidth, Shape};
+use crate::kernel::{Bandwidth, Shape, Symmetry};
 use crate::sample::Sample;
 use crate::space::Warning;
 
@@ -77,6 +84,19 @@ pub enum SelectError {
         /// The largest.
         most: f64,
     },
+    /// Each datum is judged by the others, and there are not enough of them.
+    #[error(
+        "the sample has {points} points of positive weight, and the choice needs {least}; give a number"
+    )]
+    TooFew {
+        /// Points of positive weight.
+        points: usize,
+        /// How many would do.
+        least: usize,
+    },
+    /// The rule does not exist for such data.
+    #[error("{0}")]
+    Unable(String),
 }
 
 /// A bandwidth, with what the reader should know about how it came about.
@@ -181,16 +201,34 @@ const ENTRIES: [Entry; COUNT] = [
 /// The selectors of the line.
 pub static CATALOGUE: [Entry; COUNT] = ENTRIES;
 
+/// A selector of the plane that can be chosen by name.
+pub struct PlaneEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Cost in n points.
+    pub cost: &'static str,
+    /// Author, year, equation.
+    pub reference: &'static str,
+    /// Makes it for product or for radial kernels.
+    pub build: fn(Symmetry) -> Box<dyn Selector<2>>,
+}
+
+/// The selectors of the plane. To add one is to add it here, and its name to [`WORDS`] if the line has none of that name.
+pub static PLANE: &[PlaneEntry] = plane::ENTRIES;
+
 /// Words that stand for a bandwidth: the selectors, and the best for a known truth.
-pub const WORDS: [&str; COUNT + 3] = {
-    let mut words = ["oracle"; COUNT + 3];
+pub const WORDS: [&str; COUNT + 4] = {
+    let mut words = ["oracle"; COUNT + 4];
     let mut i = 0;
     while i < COUNT {
         words[i] = ENTRIES[i].name;
         i += 1;
     }
-    words[COUNT + 1] = "oracle-ise";
-    words[COUNT + 2] = "amise";
+    words[COUNT] = plane::COMMON;
+    words[COUNT + 2] = "oracle-ise";
+    words[COUNT + 3] = "amise";
     words
 };
 
@@ -202,4 +240,9 @@ pub fn entry_of(name: &str) -> Option<&'static Entry> {
 /// The selector of that name.
 pub fn named(name: &str) -> Option<Box<dyn Selector<1>>> {
     entry_of(name).map(|entry| (entry.build)())
+}
+
+/// The selector of the plane of that name.
+pub fn plane_entry_of(name: &str) -> Option<&'static PlaneEntry> {
+    PLANE.iter().find(|entry| entry.name == name)
 }

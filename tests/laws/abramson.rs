@@ -89,7 +89,7 @@ fn without_a_clip_distant_bumps_destroy_the_order() {
 }
 
 fn estimator(pilot: Value, clip: f64) -> Abramson {
-    let mut values = Values::defaults(Abramson::PARAMETERS);
+    let mut values = Values::defaults(<Abramson>::PARAMETERS);
     values.set("bandwidth", Value::Number(0.4));
     values.set("shape", Value::Word("biweight".to_owned()));
     values.set("pilot", pilot);
@@ -98,7 +98,7 @@ fn estimator(pilot: Value, clip: f64) -> Abramson {
         truth: Some(normal() as Arc<dyn density::Density<1>>),
         draws: 50,
     };
-    Abramson::build(&values, &context).unwrap()
+    <Abramson>::build(&values, &context).unwrap()
 }
 
 /// With the truth as pilot the estimator claims its mean and variance; forty thousand samples agree within four standard errors, with and without a clip

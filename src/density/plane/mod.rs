@@ -15,9 +15,11 @@ pub(super) mod product;
 pub(super) mod room;
 pub(super) mod smooth;
 pub(super) mod square;
+pub(super) mod window;
 
 pub use mixture::{NormalAt, PlaneComponent, PlaneMixture, PlaneMixtureError, normal_at};
 pub use product::Product;
 pub use room::Room;
 pub use smooth::Smooth;
 pub use square::{Square, SquarePart};
+pub use window::WindowPlane;

@@ -58,7 +58,7 @@ impl<const N: usize> Coefficients<N> {
 }
 
 /// (K∗K)(u) = ∫ K(t) K(u - t) dt over u - 1 ≤ t ≤ 1, 0 ≤ u ≤ 2, by quadrature that is exact for polynomials of degree 31.
-fn convolution(shape: Shape, u: f64) -> f64 {
+pub(in crate::engine) fn convolution(shape: Shape, u: f64) -> f64 {
     if u >= 2.0 {
         return 0.0;
     }

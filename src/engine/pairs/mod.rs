@@ -8,7 +8,7 @@
 //! Weights sum to 1 and i = j is included: with equal weights these are V-statistics, in which a point of weight k/n counts as k points do.
 
 mod compact;
-mod convolution;
+pub(super) mod convolution;
 mod gaussian;
 mod lattice;
 

@@ -18,6 +18,8 @@ mod gather;
 mod hermite;
 mod look;
 mod mesh;
+mod overlap;
+mod pairs;
 mod pieces;
 mod profile;
 mod splat;
@@ -26,6 +28,7 @@ pub use binned::BinnedGrid;
 pub use gather::Gather;
 pub use hermite::HermiteGrid;
 pub use mesh::Mesh;
+pub use pairs::PlanePairs;
 pub use splat::Splat;
 
 use super::{Direct, Engine};

@@ -1,11 +1,12 @@
 //! Abramson's square-root law.
 
 use crate::density::Density;
-use crate::engine::{EXACT, LINE, Planned};
+use crate::engine::{EXACT, Engine, LINE, Planned};
+use crate::estimator::kde::SYMMETRY;
 use crate::estimator::{
     Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments,
 };
-use crate::kernel::{Bandwidth, Kernel, KernelSum, Shape};
+use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::numeric::Sum;
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
@@ -20,51 +21,53 @@ use std::sync::Arc;
 /// it is small the widths would grow beyond bounds and their bumps disturb places far away, which destroys the rate [Terrell & Scott 1992], so that p counts as
 /// no less than `clip` times g. Mass is kept exactly, and nothing is negative.
 ///
-/// Pilot and estimate are computed by the engines: O(n log n + m) for polynomial kernels.
-pub struct Abramson {
-    shape: Shape,
-    width: Width,
-    pilot: Pilot,
-    exponent: f64,
-    clip: f64,
+/// In the plane a datum has one width for both axes, hᵢ = h (p(Xᵢ)/g)^(-α) with the same α, and K is a product or radial; the pilot may have a width for each axis.
+///
+/// Pilot and estimate are computed by the engines: O(n log n + m) for polynomial kernels on the line, O(n · (cells within reach) + m) on a grid in the plane.
+pub struct Abramson<const D: usize = 1> {
+    pub(super) shape: Shape,
+    pub(super) symmetry: Symmetry,
+    pub(super) width: Width<D>,
+    pub(super) pilot: Pilot<D>,
+    pub(super) exponent: f64,
+    pub(super) clip: f64,
 }
 
 /// Where a bandwidth comes from.
-enum Width {
+pub(super) enum Width<const D: usize> {
     Number(f64),
-    Selected(Box<dyn Selector<1>>),
+    Selected(Box<dyn Selector<D>>),
 }
 
 /// What the widths follow.
-enum Pilot {
+pub(super) enum Pilot<const D: usize> {
     /// A kernel estimate of the same data with this bandwidth.
-    Estimate(Width),
+    Estimate(Width<D>),
     /// The known truth, with its geometric mean.
-    Truth(Arc<dyn Density<1>>, f64),
+    Truth(Arc<dyn Density<D>>, f64),
 }
 
-impl Width {
+impl<const D: usize> Width<D> {
     /// What the file says: a number or a rule; `None` for another word.
-    fn given(values: &Values, name: &str) -> Option<Self> {
+    pub(super) fn given(
+        values: &Values,
+        name: &str,
+        rule: impl Fn(&str) -> Option<Box<dyn Selector<D>>>,
+    ) -> Option<Self> {
         if let Some(h) = values.number(name) {
             return Some(Self::Number(h));
         }
-        Some(Self::Selected(match values.word(name)? {
-            "silverman" => Box::new(Silverman),
-            "normal-reference" => Box::new(NormalReference),
-            "scott" => Box::new(Scott),
-            _ => return None,
-        }))
+        values.word(name).and_then(rule).map(Self::Selected)
     }
 
     fn of(
         &self,
-        sample: &Sample<1>,
+        sample: &Sample<D>,
         shape: Shape,
         warnings: &mut Vec<Warning>,
-    ) -> Result<f64, FitError> {
+    ) -> Result<[f64; D], FitError> {
         match self {
-            Self::Number(h) => Ok(*h),
+            Self::Number(h) => Ok([*h; D]),
             Self::Selected(selector) => {
                 let selection = selector.select(sample, shape)?;
                 for warning in selection.warnings {
@@ -73,9 +76,9 @@ impl Width {
                     }
                 }
                 match selection.bandwidth {
-                    Bandwidth::Fixed([h]) => Ok(h),
+                    Bandwidth::Fixed(h) => Ok(h),
                     _ => Err(FitError::Degenerate(format!(
-                        "the rule {} gives no single bandwidth",
+                        "the rule {} gives a bandwidth that varies",
                         selector.name()
                     ))),
                 }
@@ -83,7 +86,7 @@ impl Width {
         }
     }
 
-    fn fixed(&self) -> Option<f64> {
+    pub(super) fn fixed(&self) -> Option<f64> {
         match self {
             Self::Number(h) => Some(*h),
             Self::Selected(_) => None,
@@ -91,7 +94,7 @@ impl Width {
     }
 }
 
-impl Abramson {
+impl<const D: usize> Abramson<D> {
     /// (p/g)^(-α) with p clipped from below; never so far that a width is beyond all numbers.
     fn stretch(&self, pilot: f64, mean: f64) -> f64 {
         const LEAST: f64 = 1e-12;
@@ -104,7 +107,8 @@ impl Abramson {
     /// What each width is a multiple of, times what. O(n log n).
     fn stretches(
         &self,
-        sample: &Sample<1>,
+        sample: &Sample<D>,
+        engines: &'static [&'static dyn Engine<D>],
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<f64>, FitError> {
         let n = sample.len();
@@ -118,10 +122,12 @@ impl Abramson {
             }
             Pilot::Estimate(width) => {
                 let h = width.of(sample, self.shape, warnings)?;
-                let sum = KernelSum::new(sample.clone(), self.shape, Bandwidth::Fixed([h]))?;
+                let sum = KernelSum::new(sample.clone(), self.shape, Bandwidth::Fixed(h))?
+                    .with_symmetry(self.symmetry);
                 // what a datum contributes to the pilot at its own place: no less is there, whatever an engine rounds to
-                let own = self.shape.peak() / h;
-                let planned = Planned::new(LINE, sum, EXACT, None)
+                let peak = self.symmetry.peak::<D>(self.shape);
+                let own = h.iter().fold(peak, |value, h| value / h);
+                let planned = Planned::new(engines, sum, EXACT, None)
                     .map_err(|error| FitError::Engine(error.to_string()))?;
                 let mut values = planned.evaluate(Targets::Points(sample.points())).values;
                 let mut logarithms = Sum::default();
@@ -143,34 +149,8 @@ impl Abramson {
             })
             .collect())
     }
-}
 
-/// A sum of bumps that are nowhere negative: what an engine rounds to below zero is zero.
-struct NonNegative(Planned<1>);
-
-impl Field<1> for NonNegative {
-    fn domain(&self) -> &Domain<1> {
-        self.0.domain()
-    }
-
-    fn at(&self, x: Point<1>) -> f64 {
-        self.0.at(x)
-    }
-
-    fn evaluate(&self, targets: Targets<'_, 1>) -> Evaluation {
-        let mut evaluation = self.0.evaluate(targets);
-        for value in &mut evaluation.values {
-            // not `max`, which would hide what is not a number
-            if *value < 0.0 {
-                *value = 0.0;
-            }
-        }
-        evaluation
-    }
-}
-
-impl Estimator<1> for Abramson {
-    fn laws(&self) -> Laws {
+    pub(super) fn promises(&self) -> Laws {
         let fixed = self.width.fixed().is_some();
         let (adapts, sees) = match &self.pilot {
             _ if self.exponent == 0.0 => (false, true),
@@ -190,18 +170,29 @@ impl Estimator<1> for Abramson {
         }
     }
 
-    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+    pub(super) fn estimate(
+        &self,
+        sample: &Sample<D>,
+        engines: &'static [&'static dyn Engine<D>],
+    ) -> Result<Estimate<D>, FitError> {
         let mut warnings = Vec::new();
-        let h = self.width.of(sample, self.shape, &mut warnings)?;
+        let widths = self.width.of(sample, self.shape, &mut warnings)?;
+        let h = widths[0];
+        if widths.iter().any(|other| other.total_cmp(&h).is_ne()) {
+            return Err(FitError::Degenerate(
+                "Abramson's estimator has one width for all axes: give a number, or a rule that chooses one, such as `silverman`".to_owned(),
+            ));
+        }
         let widths: Arc<[f64]> = self
-            .stretches(sample, &mut warnings)?
+            .stretches(sample, engines, &mut warnings)?
             .into_iter()
             .map(|stretch| h * stretch)
             .collect();
         let bandwidth = Bandwidth::PerPoint(widths);
-        let field = |sample: Sample<1>| -> Result<Arc<dyn Field<1>>, FitError> {
-            let sum = KernelSum::new(sample, self.shape, bandwidth.clone())?;
-            let planned = Planned::new(LINE, sum, EXACT, None)
+        let field = |sample: Sample<D>| -> Result<Arc<dyn Field<D>>, FitError> {
+            let sum =
+                KernelSum::new(sample, self.shape, bandwidth.clone())?.with_symmetry(self.symmetry);
+            let planned = Planned::new(engines, sum, EXACT, None)
                 .map_err(|error| FitError::Engine(error.to_string()))?;
             Ok(Arc::new(NonNegative(planned)))
         };
@@ -214,6 +205,40 @@ impl Estimator<1> for Abramson {
         estimate.bandwidth = Some(bandwidth);
         estimate.warnings = warnings;
         Ok(estimate)
+    }
+}
+
+/// A sum of bumps that are nowhere negative: what an engine rounds to below zero is zero.
+struct NonNegative<const D: usize>(Planned<D>);
+
+impl<const D: usize> Field<D> for NonNegative<D> {
+    fn domain(&self) -> &Domain<D> {
+        self.0.domain()
+    }
+
+    fn at(&self, x: Point<D>) -> f64 {
+        self.0.at(x)
+    }
+
+    fn evaluate(&self, targets: Targets<'_, D>) -> Evaluation {
+        let mut evaluation = self.0.evaluate(targets);
+        for value in &mut evaluation.values {
+            // not `max`, which would hide what is not a number
+            if *value < 0.0 {
+                *value = 0.0;
+            }
+        }
+        evaluation
+    }
+}
+
+impl Estimator<1> for Abramson {
+    fn laws(&self) -> Laws {
+        self.promises()
+    }
+
+    fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
+        self.estimate(sample, LINE)
     }
 
     fn expectation(
@@ -253,13 +278,25 @@ fn clip_cuts(pilot: &dyn Density<1>, level: f64) -> Vec<f64> {
         .collect()
 }
 
+fn rule(word: &str) -> Option<Box<dyn Selector<1>>> {
+    Some(match word {
+        "silverman" => Box::new(Silverman),
+        "normal-reference" => Box::new(NormalReference),
+        "scott" => Box::new(Scott),
+        _ => return None,
+    })
+}
+
 const RULES: &[&str] = &["silverman", "normal-reference", "scott"];
 
-impl Described for Abramson {
+impl<const D: usize> Described for Abramson<D>
+where
+    Self: Estimator<D>,
+{
     const NAME: &'static str = "abramson";
     const SUMMARY: &'static str =
         "a bump on each point, wider where a pilot estimate is low: bias of order h⁴";
-    const COST: &'static str = "O(n log n + m) for polynomial kernels";
+    const COST: &'static str = "O(n log n + m) for polynomial kernels on a line; O(n · (cells within reach) + m) in the plane";
     const REFERENCE: &'static str =
         "Abramson 1982; Silverman 1986, section 5.3; Terrell & Scott 1992";
     const SMOOTHING: Option<&'static str> = Some("bandwidth");
@@ -270,10 +307,11 @@ impl Described for Abramson {
             Absent::Word("gaussian"),
             "the kernel, of the pilot too",
         ),
+        SYMMETRY,
         Parameter::required(
             "bandwidth",
             Kind::PositiveOr(RULES),
-            "h, the bandwidth where the pilot has its geometric mean, in the unit of the data",
+            "h, the bandwidth where the pilot has its geometric mean, in the unit of the data; in the plane one for both axes",
         )
         .length()
         .swept(),
@@ -305,7 +343,7 @@ impl Build<1> for Abramson {
             .word("shape")
             .and_then(Shape::named)
             .unwrap_or(Shape::Gaussian);
-        let pilot = if let Some(width) = Width::given(values, "pilot") {
+        let pilot = if let Some(width) = Width::given(values, "pilot", rule) {
             Pilot::Estimate(width)
         } else {
             let truth = context.truth.clone().ok_or_else(|| BuildError {
@@ -317,7 +355,8 @@ impl Build<1> for Abramson {
         };
         Ok(Self {
             shape,
-            width: Width::given(values, "bandwidth").unwrap_or(Width::Number(1.0)),
+            symmetry: Symmetry::Product,
+            width: Width::given(values, "bandwidth", rule).unwrap_or(Width::Number(1.0)),
             pilot,
             exponent: values.number("exponent").unwrap_or(0.5),
             clip: values.number("clip").unwrap_or(0.1),

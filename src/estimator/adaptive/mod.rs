@@ -11,5 +11,6 @@
 //! Abramson 1982, Annals of Statistics 10; Terrell & Scott 1992, Annals of Statistics 20; Silverman 1986, section 5.3.
 
 mod abramson;
+mod plane;
 
 pub use abramson::Abramson;

@@ -338,6 +338,15 @@ impl Kde {
         let width = match (values.number("bandwidth"), chosen) {
             (Some(h), _) => Width::Numbers([h]),
             (None, Some(selector)) => Width::Selected(selector),
+            (None, None) if word.is_some_and(|word| selector::plane_entry_of(word).is_some()) => {
+                return Err(BuildError {
+                    parameter: "bandwidth",
+                    what: format!(
+                        "\"{}\" is a rule of the plane: on the line give `lscv`",
+                        word.unwrap_or_default()
+                    ),
+                });
+            }
             (None, None) => Width::Numbers([best(
                 context,
                 "bandwidth",

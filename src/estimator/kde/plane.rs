@@ -10,7 +10,7 @@ use crate::estimator::{
 use crate::kernel::{Shape, Symmetry};
 use crate::parameter::{Value, Values, listed};
 use crate::sample::Sample;
-use crate::selector::NormalScale;
+use crate::selector;
 use crate::space::{Point, Side};
 use crate::theory::{kernel_oracle, plane_kernel_moments};
 use rayon::prelude::*;
@@ -146,14 +146,19 @@ impl Kde<2> {
                         ),
                     });
                 }
-                let rule = NormalScale::named(word, symmetry).ok_or_else(|| BuildError {
+                let entry = selector::plane_entry_of(word).ok_or_else(|| BuildError {
                     parameter: "bandwidth",
                     what: format!(
                         "\"{word}\" is a rule of the line; in the plane give a number or one of {}",
-                        listed(&NormalScale::NAMES)
+                        listed(
+                            &selector::PLANE
+                                .iter()
+                                .map(|entry| entry.name)
+                                .collect::<Vec<_>>()
+                        )
                     ),
                 })?;
-                Width::Selected(Box::new(rule))
+                Width::Selected((entry.build)(symmetry))
             }
         };
         Ok(Self {

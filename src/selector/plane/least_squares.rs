@@ -1,0 +1,436 @@
+//! Least-squares cross-validation in the plane.
+
+use super::{NormalScale, Rule, spreads};
+use crate::engine::PlanePairs;
+use crate::kernel::{Bandwidth, Shape, Symmetry};
+use crate::numeric::minimise;
+use crate::sample::Sample;
+use crate::selector::search::search;
+use crate::selector::{Criterion, SelectError, Selection, Selector};
+use crate::space::Warning;
+
+/// Up to so many data the minimum is found with exact sums over pairs; beyond, from the lattice alone.
+const EXACT_UP_TO: usize = 1000;
+
+/// A bandwidth of fewer distances between nodes than this is told to be coarse.
+const COARSE: f64 = 3.0;
+
+/// The widths of least ∫f̂² - 2 Σᵢ wᵢ f̂₋ᵢ(Xᵢ), an unbiased estimate of ISE - ∫f², for the kernel itself, product or radial. [Rudemo 1982; Bowman 1984; Sain, Baggerly &
+/// Scott 1994]
+///
+/// **A width for each axis** (`lscv`): the local minima are looked for along h = t · (s₁, s₂), the deviations of the axes, from about twice the normal scale down to a tenth of the best; the lowest is then
+/// improved over both widths. The choice follows the unit of each axis. **One common width** (`lscv-common`): the same along h₁ = h₂ and nothing more; it follows rotations, and is meant for
+/// places in one unit.
+///
+/// Up to 1000 points the minimum is that of the exact sum over all pairs; beyond, that of a lattice of up to 1024² nodes whose criterion is good to 1e-5 of itself for the Gaussian, to some 1e-3 for kernels with a kink at their edge and to 1e-2 for those with a jump (see
+/// [`PlanePairs::glance`]): O(n + nodes²), whatever the bandwidth.
+///
+/// On tied or rounded data the criterion falls without bound as h → 0; then the widest local minimum is taken, or the normal scale where there is none, each with a warning.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneLeastSquares {
+    symmetry: Symmetry,
+    common: bool,
+}
+
+impl PlaneLeastSquares {
+    /// With a width for each axis.
+    pub fn each_axis(symmetry: Symmetry) -> Self {
+        Self {
+            symmetry,
+            common: false,
+        }
+    }
+
+    /// With one width for both.
+    pub fn common(symmetry: Symmetry) -> Self {
+        Self {
+            symmetry,
+            common: true,
+        }
+    }
+
+    fn directions(self, sample: &Sample<2>) -> Result<[f64; 2], SelectError> {
+        let rule = if self.common {
+            Rule::Common
+        } else {
+            Rule::Deviations
+        };
+        Ok(spreads(sample, rule)?.0)
+    }
+}
+
+/// The criterion of one sample: ready for any pair of widths.
+struct Risk {
+    pairs: PlanePairs,
+    /// -2 over the share of pairs i ≠ j.
+    factor: f64,
+    /// The values are those of data in this unit, so that nothing overflows.
+    unit: [f64; 2],
+}
+
+impl Risk {
+    fn new(sample: &Sample<2>, shape: Shape, symmetry: Symmetry, unit: [f64; 2]) -> Self {
+        Self {
+            pairs: PlanePairs::new(sample, shape, symmetry),
+            factor: -2.0 / (1.0 - 1.0 / sample.effective_size()),
+            unit,
+        }
+    }
+
+    /// What the sums over pairs make of the criterion: i = j has no part in the second one.
+    fn of(&self, sum: f64, h: [f64; 2]) -> f64 {
+        (sum - self.factor * self.pairs.peak() * self.pairs.squares())
+            / (h[0] / self.unit[0])
+            / (h[1] / self.unit[1])
+    }
+
+    fn exact(&self, h: [f64; 2]) -> f64 {
+        self.of(self.pairs.sum(h, self.factor), h)
+    }
+
+    fn glance(&self, h: [f64; 2]) -> f64 {
+        self.of(self.pairs.glance(h, self.factor), h)
+    }
+
+    /// The minimum of the criterion near `h`: over both widths, or along their ratio. Both are followed in logarithms, along t and across it, until neither moves.
+    fn improve(&self, h: [f64; 2], common: bool) -> [f64; 2] {
+        let at = |t: f64, a: f64| [h[0] * (t + a).exp(), h[1] * (t - a).exp()];
+        let (mut t, mut a) = (0.0_f64, 0.0_f64);
+        let mut half = 0.25;
+        for _ in 0..if common { 1 } else { 12 } {
+            let before = (t, a);
+            if !common {
+                a += minimise(|x| self.glance(at(t, a + x)), -half, half, 1e-7).at;
+            }
+            t += minimise(|x| self.glance(at(t + x, a)), -half, half, 1e-7).at;
+            let moved = (t - before.0).abs().max((a - before.1).abs());
+            if moved < 1e-6 {
+                break;
+            }
+            half = (4.0 * moved).clamp(1e-4, 0.25);
+        }
+        if self.pairs.count() > EXACT_UP_TO {
+            return at(t, a);
+        }
+        // downhill on the exact criterion, which for kernels with edges is rough on a small scale
+        let mut least = self.exact(at(t, a));
+        for step in [0.04, 0.02, 0.01, 0.005] {
+            for _ in 0..8 {
+                let across = if common { 0.0 } else { step };
+                let moves = [(step, 0.0), (-step, 0.0), (0.0, across), (0.0, -across)];
+                let there = moves
+                    .into_iter()
+                    .take(if common { 2 } else { 4 })
+                    .map(|(i, j)| (self.exact(at(t + i, a + j)), t + i, a + j))
+                    .min_by(|x, y| x.0.total_cmp(&y.0));
+                match there {
+                    Some(better) if better.0 < least => (least, t, a) = better,
+                    _ => break,
+                }
+            }
+        }
+        // and Newton's steps, from differences, for the last digits
+        for step in [0.005, 0.002, 0.002, 0.002] {
+            let value = |i: f64, j: f64| self.exact(at(t + i * step, a + j * step));
+            let middle = value(0.0, 0.0);
+            let slope = |up: f64, down: f64| (0.5 * (up - down), up + down - 2.0 * middle);
+            let (t1, t2) = slope(value(1.0, 0.0), value(-1.0, 0.0));
+            let (a1, a2, cross) = if common {
+                (0.0, 1.0, 0.0)
+            } else {
+                let (a1, a2) = slope(value(0.0, 1.0), value(0.0, -1.0));
+                let corners =
+                    value(1.0, 1.0) + value(-1.0, -1.0) - value(1.0, -1.0) - value(-1.0, 1.0);
+                (a1, a2, 0.25 * corners)
+            };
+            let determinant = t2 * a2 - cross * cross;
+            if !(t2 > 0.0 && determinant > 0.0) {
+                break;
+            }
+            let limited = |move_: f64| move_.clamp(-2.0, 2.0) * step;
+            let to = (
+                t + limited((cross * a1 - a2 * t1) / determinant),
+                a + limited((cross * t1 - t2 * a1) / determinant),
+            );
+            let value = self.exact(at(to.0, to.1));
+            if value > least + 1e-12 * least.abs() {
+                break;
+            }
+            (least, t, a) = (value, to.0, to.1);
+        }
+        at(t, a)
+    }
+}
+
+impl Selector<2> for PlaneLeastSquares {
+    fn name(&self) -> &'static str {
+        if self.common { "lscv-common" } else { "lscv" }
+    }
+
+    fn select(&self, sample: &Sample<2>, shape: Shape) -> Result<Selection<2>, SelectError> {
+        const WHAT: &str = "least-squares cross-validation";
+        let direction = self.directions(sample)?;
+        let n = sample.effective_size();
+        let fallen = |why: &str| {
+            let rule = if self.common {
+                NormalScale::common(self.symmetry)
+            } else {
+                NormalScale::deviations(self.symmetry)
+            };
+            let mut selection = rule.select(sample, shape)?;
+            let what = format!("{WHAT} {why}; the normal scale is used instead");
+            let hint = "look at the data for ties and outliers, or give the bandwidth as a number";
+            let hint = hint.to_owned();
+            selection.warnings.insert(0, Warning { what, hint });
+            Ok(selection)
+        };
+        if n <= 1.0 + 1e-9 {
+            return fallen("has nothing to check the one heavy point against");
+        }
+        let risk = Risk::new(sample, shape, self.symmetry, direction);
+        let ratio = self.symmetry.canonical_scale::<2>(shape)
+            / Symmetry::Product.canonical_scale::<2>(Shape::Gaussian);
+        let widest = 2.0 * n.powf(-1.0 / 6.0) * ratio;
+        let along = |t: f64| direction.map(|s| t * s);
+        // what few data cost exactly is less than what their lattice costs
+        let few = risk.pairs.count() <= 300;
+        let glance = |t: f64| {
+            if few {
+                risk.exact(along(t))
+            } else {
+                risk.glance(along(t))
+            }
+        };
+        let found = search(glance, glance, 2e-3 * widest, widest).in_units_of(direction[0]);
+        let Some((first, mut warnings)) = found.choose(WHAT) else {
+            return fallen("has no minimum but towards bandwidth 0 or infinity");
+        };
+        let h = risk.improve(along(first / direction[0]), self.common);
+        let resolution = risk.pairs.resolution(h);
+        if risk.pairs.count() > EXACT_UP_TO && resolution < COARSE {
+            warnings.push(Warning {
+                what: format!(
+                    "the data reach so far that the bandwidth is only {resolution:.1} distances between the nodes of the finest lattice: the choice is coarse"
+                ),
+                hint: "leave out the far points, or give the bandwidth as a number".to_owned(),
+            });
+        }
+        Ok(Selection {
+            bandwidth: Bandwidth::Fixed(h),
+            warnings,
+        })
+    }
+
+    /// Over the width of the first axis, the other following in the ratio of the widths chosen.
+    fn criterion(
+        &self,
+        sample: &Sample<2>,
+        shape: Shape,
+    ) -> Result<Option<Criterion>, SelectError> {
+        let Bandwidth::Fixed(chosen) = self.select(sample, shape)?.bandwidth else {
+            return Ok(None);
+        };
+        let unit = self.directions(sample)?;
+        let risk = Risk::new(sample, shape, self.symmetry, unit);
+        let exact = risk.pairs.count() <= EXACT_UP_TO;
+        Ok(Some(Box::new(move |h| {
+            let h = [h, h * (chosen[1] / chosen[0])];
+            let value = if exact { risk.exact(h) } else { risk.glance(h) };
+            value / unit[0] / unit[1]
+        })))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::density;
+    use crate::kernel::KernelSum;
+    use crate::parameter::Values;
+    use crate::random;
+    use crate::space::{Domain, Field, Grid, Point};
+
+    /// Two round humps side by side, the second axis in a unit three times smaller.
+    fn drawn(n: usize) -> Vec<Point<2>> {
+        let mut stream = random::stream(3, "lscv in the plane", 0);
+        let normal = density::entry("normal-2d")
+            .unwrap()
+            .build(&Values::default())
+            .unwrap();
+        let normal = normal.plane().unwrap();
+        (0..n)
+            .map(|i| {
+                let [x, y] = normal.draw(&mut stream);
+                [x + if i % 2 == 0 { 2.0 } else { -2.0 }, 3.0 * y]
+            })
+            .collect()
+    }
+
+    fn sample(points: Vec<Point<2>>) -> Sample<2> {
+        Sample::equal(points, Domain::whole()).unwrap()
+    }
+
+    fn select(selector: PlaneLeastSquares, sample: &Sample<2>, shape: Shape) -> ([f64; 2], usize) {
+        let selection = selector.select(sample, shape).unwrap();
+        match selection.bandwidth {
+            Bandwidth::Fixed(h) => (h, selection.warnings.len()),
+            _ => unreachable!("numbers"),
+        }
+    }
+
+    /// ∫f̂² on a grid, and each datum left out in turn.
+    #[test]
+    fn the_criterion_is_as_written() {
+        let points = drawn(24);
+        let all = sample(points.clone());
+        let grid = Grid::new([-12.0, -22.0], [12.0, 22.0], [480, 480]).unwrap();
+        let h = [0.9, 2.2];
+        for (shape, symmetry) in [
+            (Shape::Gaussian, Symmetry::Product),
+            (Shape::Biweight, Symmetry::Product),
+            (Shape::Biweight, Symmetry::Radial),
+            (Shape::Triangular, Symmetry::Radial),
+        ] {
+            let sum = |sample: &Sample<2>| {
+                KernelSum::new(sample.clone(), shape, Bandwidth::Fixed(h))
+                    .unwrap()
+                    .with_symmetry(symmetry)
+            };
+            let estimate = sum(&all);
+            let square: f64 = grid.centres().map(|x| estimate.at(x).powi(2)).sum();
+            let left_out = |i: usize| {
+                let mut others = points.clone();
+                let x = others.remove(i);
+                sum(&sample(others)).at(x)
+            };
+            let n = points.len();
+            let mean: f64 = (0..n).map(left_out).sum::<f64>() / n as f64;
+            let expected = square * grid.cell_measure() - 2.0 * mean;
+            let got = Risk::new(&all, shape, symmetry, [1.0; 2]).exact(h);
+            assert!(
+                (got / expected - 1.0).abs() < 2e-4,
+                "{symmetry} {shape}: {got} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_lattice_agrees_with_the_pairs() {
+        let all = sample(drawn(700));
+        for (shape, symmetry, close) in [
+            (Shape::Gaussian, Symmetry::Product, 1e-5),
+            (Shape::Epanechnikov, Symmetry::Product, 2e-3),
+            (Shape::Epanechnikov, Symmetry::Radial, 2e-3),
+            (Shape::Uniform, Symmetry::Radial, 3e-2),
+        ] {
+            let risk = Risk::new(&all, shape, symmetry, [1.0; 2]);
+            for h in [[0.35, 0.9], [0.8, 2.0], [2.0, 5.0]] {
+                let (exact, glance) = (risk.exact(h), risk.glance(h));
+                assert!(
+                    (glance / exact - 1.0).abs() < close,
+                    "{symmetry} {shape} {h:?}: {glance} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_least_of_the_exact_criterion_is_found() {
+        let all = sample(drawn(400));
+        for (shape, symmetry) in [
+            (Shape::Gaussian, Symmetry::Product),
+            (Shape::Epanechnikov, Symmetry::Radial),
+        ] {
+            let risk = Risk::new(&all, shape, symmetry, [1.0; 2]);
+            let (h, warnings) = select(PlaneLeastSquares::each_axis(symmetry), &all, shape);
+            assert_eq!(warnings, 0);
+            let least = risk.exact(h);
+            for moved in [[1.03, 1.03], [0.97, 0.97], [1.04, 0.96], [0.96, 1.04]] {
+                let there = risk.exact([h[0] * moved[0], h[1] * moved[1]]);
+                assert!(
+                    there > least,
+                    "{symmetry} {shape} {moved:?}: {there} {least}"
+                );
+            }
+            // two humps on the first axis ask for a narrower kernel there than its deviation says
+            assert!(h[1] / h[0] > 2.0, "{h:?}");
+        }
+    }
+
+    #[test]
+    fn units_order_and_points_without_weight_change_nothing() {
+        let points = drawn(250);
+        let (each, common) = (
+            PlaneLeastSquares::each_axis(Symmetry::Product),
+            PlaneLeastSquares::common(Symmetry::Radial),
+        );
+        let at =
+            |selector, points: Vec<Point<2>>| select(selector, &sample(points), Shape::Biweight).0;
+        let (h, one) = (at(each, points.clone()), at(common, points.clone()));
+        assert!((one[0] - one[1]).abs() < 1e-15);
+        let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] / b[i] - 1.0).abs() < 1e-6);
+        let scaled = points.iter().map(|x| [1e-30 * x[0], 1e40 * x[1]]).collect();
+        assert!(near(at(each, scaled), [1e-30 * h[0], 1e40 * h[1]]));
+        let turned = points
+            .iter()
+            .map(|x| [0.6 * x[0] - 0.8 * x[1] + 5.0, 0.8 * x[0] + 0.6 * x[1]]);
+        // the lattice, on which the search begins, does not turn with the data
+        let turned = at(common, turned.collect());
+        assert!(
+            (turned[0] / one[0] - 1.0).abs() < 1e-4,
+            "{turned:?} {one:?}"
+        );
+        let backwards = points.iter().rev().copied().collect();
+        assert!(near(at(each, backwards), h));
+        let mut more = points.clone();
+        more.push([7.0, 7.0]);
+        let weights = (0..=250).map(|i| f64::from(u8::from(i < 250))).collect();
+        let weighted = Sample::normalised(more, weights, Domain::whole()).unwrap();
+        assert!(near(select(each, &weighted, Shape::Biweight).0, h));
+    }
+
+    #[test]
+    fn ties_and_too_few_points_are_told() {
+        let each = PlaneLeastSquares::each_axis(Symmetry::Product);
+        // every place four times: the criterion falls without bound
+        let places = drawn(100);
+        let tied: Vec<Point<2>> = places.iter().flat_map(|x| [*x; 4]).collect();
+        let selection = each.select(&sample(tied), Shape::Gaussian).unwrap();
+        assert!(!selection.warnings.is_empty());
+        assert!(matches!(selection.bandwidth, Bandwidth::Fixed(h) if h[0] > 0.1));
+        let flat = places.iter().map(|x| [x[0], 1.0]).collect();
+        assert!(each.select(&sample(flat), Shape::Gaussian).is_err());
+        assert!(
+            each.select(&sample(vec![[1.0, 2.0]]), Shape::Gaussian)
+                .is_err()
+        );
+        for few in [2, 3, 5] {
+            let chosen = each
+                .select(&sample(drawn(few)), Shape::Epanechnikov)
+                .unwrap();
+            assert!(
+                matches!(chosen.bandwidth, Bandwidth::Fixed(h) if h[0] > 0.0 && h[0].is_finite())
+            );
+        }
+    }
+
+    /// Where only the lattice is used: normal data ask for the width that theory gives, (4/(d+2))^(1/6) n^(-1/6) σ = n^(-1/6) σ, within the noise of the criterion.
+    #[test]
+    fn many_points_are_served_by_the_lattice() {
+        let points: Vec<Point<2>> = drawn(20_000)
+            .into_iter()
+            .enumerate()
+            .map(|(i, x)| [x[0] - if i % 2 == 0 { 2.0 } else { -2.0 }, x[1]])
+            .collect();
+        let each = PlaneLeastSquares::each_axis(Symmetry::Product);
+        let (h, warnings) = select(each, &sample(points), Shape::Gaussian);
+        let expected = 20_000_f64.powf(-1.0 / 6.0);
+        assert_eq!(warnings, 0);
+        assert!((h[0] / expected - 1.0).abs() < 0.25, "{h:?} {expected}");
+        assert!(
+            (h[1] / expected / 3.0 - 1.0).abs() < 0.25,
+            "{h:?} {expected}"
+        );
+    }
+}
