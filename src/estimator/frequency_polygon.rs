@@ -1,5 +1,6 @@
 //! The frequency polygon: straight lines between the tops of a histogram's bars.
 
+use super::cells::{ORIGIN_Y, WIDTH_Y};
 use super::width::{Binned, Rule, Width};
 use super::{
     Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
@@ -96,6 +97,8 @@ impl Described for FrequencyPolygon {
             "an edge of a bin, in the unit of the data",
         )
         .place(),
+        WIDTH_Y,
+        ORIGIN_Y,
     ];
 }
 

@@ -1,6 +1,7 @@
 //! The generalised histogram: each bin holds a polynomial instead of a constant.
 
 use super::bins::Bins;
+use super::cells::{ORIGIN_Y, WIDTH_Y};
 use super::{Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments};
 use crate::density::Density;
 use crate::parameter::{Absent, Kind, Parameter, Values};
@@ -23,10 +24,10 @@ pub struct GeneralisedHistogram {
 }
 
 /// The highest degree.
-const HIGHEST: usize = 3;
+pub(super) const HIGHEST: usize = 3;
 
 /// P₁, P₂ and P₃.
-fn legendre(t: f64) -> [f64; HIGHEST] {
+pub(super) fn legendre(t: f64) -> [f64; HIGHEST] {
     let square = t * t;
     [t, 1.5 * square - 0.5, t * (2.5 * square - 1.5)]
 }
@@ -172,6 +173,8 @@ impl Described for GeneralisedHistogram {
             "an edge of a bin, in the unit of the data",
         )
         .place(),
+        WIDTH_Y,
+        ORIGIN_Y,
     ];
 }
 

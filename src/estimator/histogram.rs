@@ -1,5 +1,6 @@
 //! The histogram: the oldest estimator, and the one whose picture depends on where its bins begin.
 
+use super::cells::{ORIGIN_Y, WIDTH_Y};
 use super::width::{Binned, Rule, Width};
 use super::{
     Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
@@ -96,22 +97,8 @@ impl Described for Histogram {
             "an edge of a bin, in the unit of the data",
         )
         .place(),
-        Parameter::optional(
-            "width-y",
-            Kind::Positive,
-            Absent::Unset,
-            "the width of a bin on the second axis; that on the first by default",
-        )
-        .length()
-        .only_in(2),
-        Parameter::optional(
-            "origin-y",
-            Kind::Real,
-            Absent::Unset,
-            "the second coordinate of a corner of a bin; equal to `origin` by default",
-        )
-        .place()
-        .only_in(2),
+        WIDTH_Y,
+        ORIGIN_Y,
         Parameter::optional(
             "angle",
             Kind::Real,

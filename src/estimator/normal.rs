@@ -80,14 +80,14 @@ impl Estimator<1> for Normal {
 
 /// The normal of the plane, by its regression of the second axis on the first.
 #[derive(Clone)]
-struct FittedPlane {
+pub(super) struct FittedPlane {
     mass: f64,
     /// The mean in two parts, as on the line.
-    centre: Point<2>,
-    offset: Point<2>,
+    pub centre: Point<2>,
+    pub offset: Point<2>,
     /// The deviation of the first axis, and of the second about the regression.
-    deviation: [f64; 2],
-    slope: f64,
+    pub deviation: [f64; 2],
+    pub slope: f64,
     domain: Domain<2>,
 }
 
@@ -110,24 +110,7 @@ impl Estimator<2> for Normal {
 
     fn fit(&self, sample: &Sample<2>) -> Result<Estimate<2>, FitError> {
         let fitted = likeliest_plane(sample);
-        let largest = |axis: usize| {
-            sample
-                .points()
-                .iter()
-                .enumerate()
-                .filter(|&(i, _)| sample.weight(i) > 0.0)
-                .fold(0.0, |largest: f64, (_, x)| largest.max(x[axis].abs()))
-        };
-        let resolution = 4.0 * f64::EPSILON;
-        let least = [
-            resolution * largest(0),
-            resolution * (largest(1) + fitted.slope.abs() * largest(0)),
-        ];
-        if (0..2).any(|k| {
-            // so written that NaN is refused
-            let enough = fitted.deviation[k] > least[k] && fitted.deviation[k].recip().is_finite();
-            !enough
-        }) {
+        if !resolved_plane(sample, &fitted) {
             return Err(FitError::Degenerate(format!(
                 "all {} points are at one place or on one line: no normal density is likeliest for data without spread; choose another estimator",
                 sample.len(),
@@ -147,8 +130,27 @@ impl Estimator<2> for Normal {
     }
 }
 
+/// Whether the spread of the data in every direction is more than what rounding leaves of none.
+pub(super) fn resolved_plane(sample: &Sample<2>, fitted: &FittedPlane) -> bool {
+    let largest = |axis: usize| {
+        sample
+            .points()
+            .iter()
+            .enumerate()
+            .filter(|&(i, _)| sample.weight(i) > 0.0)
+            .fold(0.0, |largest: f64, (_, x)| largest.max(x[axis].abs()))
+    };
+    let resolution = 4.0 * f64::EPSILON;
+    let least = [
+        resolution * largest(0),
+        resolution * (largest(1) + fitted.slope.abs() * largest(0)),
+    ];
+    // so written that NaN is refused
+    (0..2).all(|k| fitted.deviation[k] > least[k] && fitted.deviation[k].recip().is_finite())
+}
+
 /// Mean, deviations and regression, in three passes so that nothing cancels: residuals are summed as such. O(n).
-fn likeliest_plane(sample: &Sample<2>) -> FittedPlane {
+pub(super) fn likeliest_plane(sample: &Sample<2>) -> FittedPlane {
     let points = sample.points();
     let centre = (0..points.len())
         .find(|&i| sample.weight(i) > 0.0)

@@ -15,12 +15,23 @@ use std::sync::Arc;
 /// tried, which depend on the data only through mean and deviation, the best of what they lead to is taken, and no normal may be narrower than
 /// `floor` times the deviation of all data. A warning says if that bound is what stops a normal, or if the steps run out.
 ///
+/// In the plane each normal has a covariance of its own, and nine starts are tried.
+///
 /// The mixture is that of the total; a channel is the same mixture with the mass of the channel. O(n) a step; some hundred steps a start are usual.
 pub struct NormalMixtureFit {
     /// The least deviation, in those of all data.
-    floor: f64,
+    pub(super) floor: f64,
     /// The most steps from one start.
-    steps: usize,
+    pub(super) steps: usize,
+}
+
+impl From<&Values> for NormalMixtureFit {
+    fn from(values: &Values) -> Self {
+        Self {
+            floor: values.number("floor").unwrap_or(0.02),
+            steps: values.count("steps").unwrap_or(3000) as usize,
+        }
+    }
 }
 
 /// Data handled by one task: fixed, so that sums do not depend on the number of threads.
@@ -285,10 +296,7 @@ impl Described for NormalMixtureFit {
 
 impl Build<1> for NormalMixtureFit {
     fn build(values: &Values, _context: &Context<1>) -> Result<Self, BuildError> {
-        Ok(Self {
-            floor: values.number("floor").unwrap_or(0.02),
-            steps: values.count("steps").unwrap_or(3000) as usize,
-        })
+        Ok(Self::from(values))
     }
 }
 

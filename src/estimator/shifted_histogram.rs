@@ -1,5 +1,6 @@
 //! The averaged shifted histogram: a histogram without the whim of its origin.
 
+use super::cells::{ORIGIN_Y, WIDTH_Y};
 use super::width::{Binned, Rule, Width};
 use super::{
     Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
@@ -109,6 +110,8 @@ impl Described for ShiftedHistogram {
             "an edge of a bin of the first histogram, in the unit of the data",
         )
         .place(),
+        WIDTH_Y,
+        ORIGIN_Y,
     ];
 }
 

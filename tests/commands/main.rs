@@ -11,6 +11,7 @@ mod output;
 mod programs;
 mod sample;
 mod select;
+mod selection;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -3,7 +3,7 @@
 use crate::density::window::unknown;
 use crate::density::{Bivariate, Builder, Density, Entry, named_in_plane};
 use crate::numeric::{GaussLegendre, Sum, panels};
-use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
+use crate::parameter::{BuildError, Kind, Parameter, Values};
 use crate::random::Stream;
 use crate::space::{Domain, Field, Point, Polygon, polygon_moments};
 use std::sync::Arc;
@@ -169,28 +169,23 @@ impl Bivariate for WindowPlane {
     }
 }
 
-/// A triangle with corners where nothing special is.
-const TRIANGLE: [Point<2>; 3] = [[-1.0, -0.75], [1.5, -0.5], [0.25, 1.25]];
-
 pub(in crate::density) const ENTRIES: &[Entry] = &[Entry {
     names: &["window-2d"],
     summary: "in the plane: what a polygon shows of another density, which goes on beyond it: for virtual margins",
     reference: "Lastra, Urena, Revelles & Montes 2002 (what is registered beyond an edge)",
     parameters: &[
-        Parameter::optional(
+        Parameter::required(
             "density",
             Kind::Text,
-            Absent::Word("normal-2d"),
             "the density in the plane that is looked at, by name",
         ),
-        Parameter::optional(
+        Parameter::required(
             "vertices",
             Kind::Rows(&[
                 Parameter::required("x", Kind::Real, "the first coordinate"),
                 Parameter::required("y", Kind::Real, "the second coordinate"),
             ]),
-            Absent::Unset,
-            "the corners of the window in order: a list of { x, y }; a triangle if not given",
+            "the corners of the window in order: a list of { x, y }",
         ),
     ],
     build: Builder::Plane(build),
@@ -200,14 +195,11 @@ fn build(values: &Values) -> Result<Arc<dyn Bivariate>, BuildError> {
     let name = values.word("density").unwrap_or("normal-2d");
     let whole = named_in_plane(name).ok_or_else(|| unknown(name, 2))?;
     let coordinate = |row: &Values, name| row.number(name).unwrap_or(f64::NAN);
-    let mut vertices: Vec<Point<2>> = values
+    let vertices: Vec<Point<2>> = values
         .rows("vertices")
         .iter()
         .map(|row| [coordinate(row, "x"), coordinate(row, "y")])
         .collect();
-    if vertices.is_empty() {
-        vertices = TRIANGLE.to_vec();
-    }
     let error = |what: String| BuildError {
         parameter: "vertices",
         what,

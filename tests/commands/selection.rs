@@ -1,9 +1,6 @@
 //! `lab select` in the plane and for numbers of neighbours.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 fn faithful() -> String {
     format!(
