@@ -131,6 +131,17 @@ pub const NAMES: [&str; 7] = [
     "jones-foster",
 ];
 
+/// What each does, in the order of [`NAMES`].
+pub const SUMMARIES: [&str; 7] = [
+    "kernels reach through the walls; the estimate at a wall is half of what it should be",
+    "points registered beyond the wall reach in: no trace of an edge beyond which the density goes on; nothing else",
+    "points are mirrored at the walls: keeps the mass, bias of order h where there is a slope at the wall",
+    "the estimate over the share of the kernel inside, target by target: right for a flat density",
+    "each bump over its own share inside: keeps the mass, wrong on the wall itself even for a flat density",
+    "the kernel times the line that restores mass and mean: right for a linear density, may be negative",
+    "the positive mixture of local-linear and normalise: bias of order h squared",
+];
+
 /// The treatment of that name.
 pub fn named<const D: usize>(name: &str) -> Option<Box<dyn Boundary<D>>> {
     all().into_iter().find(|boundary| boundary.name() == name)

@@ -3,7 +3,7 @@
 use super::notes::Notes;
 use super::output::Output;
 use super::stop::Stop;
-use crate::boundary::{self, Boundary};
+use crate::boundary;
 use crate::density;
 use crate::engine::{Binned, Direct, Engine, Hermite};
 use crate::experiment::catalogue::ESTIMATORS;
@@ -176,12 +176,11 @@ fn rows(family: Family, notes: Notes) -> Result<Vec<Row>, Stop> {
             .collect(),
         Family::Kernels => Shape::ALL.into_iter().map(kernel).collect(),
         Family::Selectors => selectors(),
-        Family::Boundaries => {
-            vec![Row::new(
-                Boundary::<1>::name(&boundary::Ignore),
-                "kernels reach through the walls; the estimate at a wall is half of what it should be",
-            )]
-        }
+        Family::Boundaries => boundary::NAMES
+            .into_iter()
+            .zip(boundary::SUMMARIES)
+            .map(|(name, summary)| Row::new(name, summary))
+            .collect(),
         Family::Engines => engines(),
         Family::Experiments => experiments(Path::new("experiments"), notes)?,
     })

@@ -192,8 +192,16 @@ impl Selector<2> for PlaneLeastSquares {
             / Symmetry::Product.canonical_scale::<2>(Shape::Gaussian);
         let widest = 2.0 * n.powf(-1.0 / 6.0) * ratio;
         let along = |t: f64| direction.map(|s| t * s);
-        // what few data cost exactly is less than what their lattice costs
-        let few = risk.pairs.count() <= 300;
+        // below this the lattice sees nothing
+        let blind = 2.0 / risk.pairs.resolution(along(1.0));
+        // what few data cost exactly is less than what their lattice costs, and far points make it coarse
+        let count = risk.pairs.count();
+        let few = count <= 300 || (count <= EXACT_UP_TO && blind > 0.05 * widest);
+        let narrowest = if few {
+            2e-3 * widest
+        } else {
+            blind.clamp(2e-3 * widest, 0.5 * widest)
+        };
         let glance = |t: f64| {
             if few {
                 risk.exact(along(t))
@@ -201,7 +209,7 @@ impl Selector<2> for PlaneLeastSquares {
                 risk.glance(along(t))
             }
         };
-        let found = search(glance, glance, 2e-3 * widest, widest).in_units_of(direction[0]);
+        let found = search(glance, glance, narrowest, widest).in_units_of(direction[0]);
         let Some((first, mut warnings)) = found.choose(WHAT) else {
             return fallen("has no minimum but towards bandwidth 0 or infinity");
         };
