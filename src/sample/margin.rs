@@ -51,20 +51,22 @@ impl<const D: usize> Sample<D> {
                 points: self.channels(),
             });
         }
+        if points.is_empty() {
+            return Ok(self);
+        }
         for weights in channels.iter().chain([&weights]) {
             match Self::measure(&points, weights) {
-                // nothing beyond, or nothing in one channel
-                Ok(_) | Err(SampleError::Mass(_)) => {}
+                Ok(_) => {}
+                // nothing in one channel
+                Err(SampleError::Mass(mass)) if mass.abs() <= 0.0 => {}
                 Err(error) => return Err(error),
             }
         }
-        self.margin = (!points.is_empty()).then(|| {
-            Arc::new(Margin {
-                points: Arc::new(points),
-                weights,
-                channels,
-            })
-        });
+        self.margin = Some(Arc::new(Margin {
+            points: Arc::new(points),
+            weights,
+            channels,
+        }));
         Ok(self)
     }
 
