@@ -57,7 +57,6 @@ pub fn corrected_moments(
     let Some((whole, factor)) = truth.beyond().filter(|_| boundary.sees_beyond()) else {
         return Some(inside);
     };
-    // until n points have fallen inside, a number beyond that has the negative binomial distribution: n var f̂ is ∫κ² over all of f, less (∫κ inside)², plus (∫κ beyond)²
     let all = equivalent_moments(
         whole,
         |y| kernel([y]),
@@ -66,13 +65,20 @@ pub fn corrected_moments(
         longest,
         n,
     );
-    let square = factor * (n * all.variance + all.mean * all.mean);
-    let mean = factor * all.mean;
+    Some(with_beyond(inside, all, factor, n))
+}
+
+/// The moments of a sum over `n` points inside and those that fell beyond meanwhile, from those of the sum inside and of one over points of the whole density, which is that inside over `factor`.
+///
+/// Until n points have fallen inside, the number beyond has the negative binomial distribution, so that n var f̂ is ∫κ² over all of f, less (∫κ inside)², plus (∫κ beyond)².
+fn with_beyond(inside: Moments, whole: Moments, factor: f64, n: f64) -> Moments {
+    let square = factor * (n * whole.variance + whole.mean * whole.mean);
+    let mean = factor * whole.mean;
     let beyond = mean - inside.mean;
-    Some(Moments {
+    Moments {
         mean,
         variance: ((square - inside.mean * inside.mean + beyond * beyond) / n).max(0.0),
-    })
+    }
 }
 
 /// The same in the plane, on boxes and polygons, by quadrature over what the walls leave of the support of the kernel.
@@ -121,7 +127,11 @@ pub fn corrected_moments_in_plane(
     let inward =
         |y: Point<2>| [0, 1].map(|i: usize| x[i] + (y[i] - x[i]) * (1.0 - 4.0 * f64::EPSILON));
     let value = |y: Point<2>| kernel(inward(y));
-    Some(plane_equivalent_moments(
-        truth, value, support, longest, draws,
-    ))
+    let inside = plane_equivalent_moments(truth, value, support, longest, draws);
+    let Some((whole, factor)) = truth.beyond().filter(|_| boundary.sees_beyond()) else {
+        return Some(inside);
+    };
+    let whole = whole.bivariate()?;
+    let all = plane_kernel_moments(whole, bump.shape, bump.symmetry, bump.width, draws, x);
+    Some(with_beyond(inside, all, factor, draws))
 }

@@ -94,6 +94,10 @@ impl<const D: usize> Kde<D> {
             symmetry: self.symmetry,
             width,
         };
+        // nothing is known of the chance of what was registered beyond
+        if self.boundary.sees_beyond() && sample.margin().next().is_some() {
+            return None;
+        }
         let (domain, n) = (sample.domain(), sample.effective_size());
         let at = |x: &Point<D>| -> Option<f64> {
             let kernel: Equivalent<'_, D> = if self.corrected && domain.has_walls() {
