@@ -13,14 +13,18 @@ fn faithful() -> String {
 fn two_columns_are_the_plane() {
     let bench = Bench::new();
     let file = faithful();
-    let columns = ["-c", "eruptions_min", "-c", "waiting_min"];
-    let with = |more: &[&str]| [&["select", file.as_str()], &columns[..], more].concat();
+    let with = |more: &[&'static str]| -> Vec<&str> {
+        let mut arguments = vec!["select", file.as_str()];
+        arguments.extend(["-c", "eruptions_min", "-c", "waiting_min"]);
+        arguments.extend(more);
+        arguments
+    };
     let all = bench.run(&with(&[])).succeeds().says_nothing();
     all.prints("selector,bandwidth,bandwidth_y,milliseconds,note\n")
         // n^(-1/6) times the deviations 1.141371 and 13.594974
         .prints("normal-reference,0.4484")
         .prints("lscv-common,");
-    let chosen = |more: &[&str]| {
+    let chosen = |more: &[&'static str]| {
         let json = bench
             .run(&with(&[&["--json", "-s", "lscv"], more].concat()))
             .succeeds()
