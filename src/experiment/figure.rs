@@ -68,7 +68,7 @@ pub enum FigureKind {
     Uncertainty {
         /// In the plane, where on the second axis; its middle if not given.
         at: Option<f64>,
-        /// Whether estimates are multiplied by their fitted factors.
+        /// Whether local differences are multiplied by their fitted factor.
         calibrated: bool,
     },
     /// A measure against the sample size, both logarithmic, simulated and exact, with the slope of each estimator.

@@ -40,7 +40,7 @@ pub(super) fn climb<const D: usize>(bench: &Bench<D>, source: usize, size: usize
 
 fn rungs<const D: usize>(bench: &Bench<D>, source: usize, size: usize, family: Family) -> Ladder {
     let setting = bench.setting(source, size);
-    let Some(truth) = bench.truth(source) else {
+    let Some(truth) = bench.independent(source) else {
         return Ladder::default();
     };
     let draws = setting.draws as f64;

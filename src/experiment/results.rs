@@ -224,7 +224,7 @@ fn exact<const D: usize>(
 ) -> Option<Exact> {
     let setting = bench.setting(source, size);
     let truth = setting.truth.as_ref()?;
-    let density = bench.truth(source)?;
+    let density = bench.independent(source)?;
     let places: Vec<Point<D>> = setting.grid.centres().collect();
     let mut moments =
         setting.estimators[estimator].expectation(&**density, setting.draws, &places)?;

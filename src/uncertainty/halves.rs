@@ -14,8 +14,8 @@ use crate::space::{Field, Targets};
 /// bandwidth the error is a hundred times what the halves say. **How to split.** By path. Hits of one path are near each other, and a split by the number of the hit puts half of them
 /// in A and half in B, which then agree for that reason alone.
 ///
-/// Spread of the integral over one sample: the relative deviation is about 1.4 c with two batches and falls like 1/√(B - 1); c² is 1 over the number of independent places. At a single
-/// place two halves have one degree of freedom: a relative deviation of 141 %.
+/// Spread of the integral over one sample: the relative deviation is c √(2/(B - 1)) with c² = ∫∫cov(f̂(x), f̂(y))² / (∫var f̂)², one over the number of places that vary independently: about a
+/// half with two batches, a sixth with ten. At a single place (c = 1) two halves have one degree of freedom: a relative deviation of 141 %.
 ///
 /// Cost: about one more fit and evaluation for all batches together, and B evaluations of the targets.
 ///

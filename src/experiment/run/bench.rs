@@ -154,6 +154,14 @@ impl<const D: usize> Bench<D> {
         }
     }
 
+    /// The density of a source whose points are independent of each other: what exact theory is about.
+    pub fn independent(&self, source: usize) -> Option<&Arc<dyn Density<D>>> {
+        match &self.sources[source] {
+            Opened::Paths(..) => None,
+            _ => self.truth(source),
+        }
+    }
+
     /// The polygon that bounds the domain of a source, where there is one: its corners, else nothing.
     pub fn outline(&self, source: usize) -> &[[f64; 2]] {
         let outline = self.sources[source].domain().outline();
@@ -167,14 +175,14 @@ impl<const D: usize> Bench<D> {
         (shape, symmetry): (Shape, Symmetry),
         draws: usize,
     ) -> Option<Oracle> {
-        theory::kernel_oracle(&**self.truth(source)?, shape, symmetry, draws as f64)
+        theory::kernel_oracle(&**self.independent(source)?, shape, symmetry, draws as f64)
     }
 
     /// The best of all estimators that differ from number `estimator` in their bandwidth or width alone, by theory.
     pub fn best_of_family(&self, source: usize, size: usize, estimator: usize) -> Option<Optimum> {
         let setting = self.setting(source, size);
         let family = setting.estimators[estimator].family()?;
-        family.optimum_of(&**self.truth(source)?, setting.draws as f64)
+        family.optimum_of(&**self.independent(source)?, setting.draws as f64)
     }
 
     /// Sample number `replicate` of a size from a source; the same for every estimator.

@@ -182,7 +182,7 @@ impl<'a, const D: usize> Intervals<'a, D> {
         let estimator = &*setting.estimators[cell.estimator];
         let places: Vec<Point<D>> = setting.grid.centres().collect();
         let moments = bench
-            .truth(cell.source)
+            .independent(cell.source)
             .and_then(|truth| estimator.expectation(&**truth, setting.draws, &places));
         Some(Self {
             estimator,

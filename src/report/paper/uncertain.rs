@@ -4,11 +4,11 @@ use super::Material;
 use super::pictures::{axis_of, chosen};
 use crate::experiment::Figure;
 use crate::experiment::results::{Group, Outcome};
-use crate::experiment::uncertainty::Quantity;
+use crate::experiment::uncertainty::{Quantity, UncertaintyKind};
 use crate::report::figure::{Axis, Multiples, Role, Series, Small, Svg};
 
 /// Roots of mean squared errors, true and estimated, one panel an estimator: on a line everywhere, in the plane along the row of cells nearest to `at` on the second axis.
-/// With `calibrated` each estimate is multiplied by the root of its fitted factor.
+/// With `calibrated` local differences are multiplied by the root of their fitted factor.
 pub(super) fn draw<const D: usize>(
     material: &Material<'_, D>,
     figure: &Figure,
@@ -31,15 +31,17 @@ pub(super) fn draw<const D: usize>(
             };
             if series.is_empty() {
                 series.push(Series {
-                    name: "true root mean squared error".to_owned(),
+                    name: "true error".to_owned(),
                     x: x.clone(),
                     y: of(&errors, 1.0),
                     role: Role::Truth,
                 });
             }
-            let factor = outcome.uncertainty(number, Quantity::Factor, 0.95, group);
-            let factor = factor
-                .filter(|_| calibrated)
+            // batches state a variance and have no factor left open
+            let open = calibrated && matches!(spec.kind, UncertaintyKind::Differences { .. });
+            let factor = outcome
+                .uncertainty(number, Quantity::Factor, 0.95, group)
+                .filter(|_| open)
                 .map_or(1.0, |found| found.value);
             series.push(Series {
                 name: spec.name.clone(),

@@ -145,7 +145,7 @@ pub(crate) const FORMS: &[Form] = &[
                 "calibrated",
                 Kind::Flag,
                 Absent::Flag(false),
-                "estimates are multiplied by their fitted factors M",
+                "local differences are multiplied by their fitted factor M",
             ),
         ],
         truth: true,
