@@ -32,7 +32,7 @@ impl Selector<1> for LeastIse {
             6.0 * 1.144 * sample.effective_size().powf(-0.2) * canonical(shape) * deviation;
         let pairs = match CompactPairs::new(sample, shape) {
             Some(pairs) => Pairs::Compact(pairs),
-            None => Pairs::Gaussian(Functionals::new(sample)?),
+            None => Pairs::Gaussian(Box::new(Functionals::new(sample)?)),
         };
         let error = |h: f64| {
             let own = match &pairs {
@@ -65,7 +65,7 @@ impl Selector<1> for LeastIse {
 
 /// Sums over pairs for either kind of kernel.
 enum Pairs {
-    Gaussian(Functionals),
+    Gaussian(Box<Functionals>),
     Compact(CompactPairs),
 }
 

@@ -30,7 +30,7 @@ fn gaussian(sum: impl Fn(usize, f64) -> f64, squares: f64, share: f64, h: f64) -
 
 /// The criterion of a sample for one kernel. `unit` is that of its argument.
 enum Exact {
-    Gaussian(Functionals),
+    Gaussian(Box<Functionals>),
     Compact {
         pairs: CompactPairs,
         shape: Shape,
@@ -42,7 +42,7 @@ enum Exact {
 impl Exact {
     fn new(sample: &Sample<1>, shape: Shape) -> Result<Self, SelectError> {
         Ok(match CompactPairs::new(sample, shape) {
-            None => Self::Gaussian(Functionals::new(sample)?),
+            None => Self::Gaussian(Box::new(Functionals::new(sample)?)),
             Some(pairs) => Self::Compact {
                 pairs,
                 shape,

@@ -67,22 +67,12 @@ impl Spread {
         // number, mean and squares about it, block by block [Chan, Golub & LeVeque 1983]
         let (mut n, mut mean, mut squares) = (0.0, x[0], 0.0);
         for block in x.chunks(BLOCK) {
-            let (low, high, sum) = lanes(block, (f64::INFINITY, f64::NEG_INFINITY, 0.0), |s, x| {
-                (
-                    if x < s.0 { x } else { s.0 },
-                    if x > s.1 { x } else { s.1 },
-                    // about the mean so far, which costs no digits far from zero
-                    s.2 + (x - mean),
-                )
-            });
+            // about the mean so far, which costs no digits far from zero
+            let (low, high, sum) = survey(block, mean);
             let size = block.len() as f64;
-            let low = low.min(f64::INFINITY);
             (least, most) = (least.min(low), most.max(high));
             let shift = sum / size;
-            let middle = mean + shift;
-            let (_, _, own) = lanes(block, (0.0, 0.0, 0.0), |s, x| {
-                (0.0, 0.0, (x - middle).mul_add(x - middle, s.2))
-            });
+            let own = scatter(block, mean + shift);
             squares += own + shift * shift * (n * size / (n + size));
             mean += shift * (size / (n + size));
             n += size;
@@ -102,27 +92,47 @@ impl Spread {
     }
 }
 
-/// A fold of three numbers in eight lanes, which stay in vector registers; the lanes are added, or the extreme of them taken, at the end.
-fn lanes(
-    block: &[f64],
-    start: (f64, f64, f64),
-    step: impl Fn((f64, f64, f64), f64) -> (f64, f64, f64),
-) -> (f64, f64, f64) {
-    const LANES: usize = 8;
-    let mut state = [start; LANES];
-    let chunks = block.chunks_exact(LANES);
-    let rest = chunks.remainder();
+/// Numbers that are kept beside each other in vector registers.
+const LANES: usize = 8;
+
+/// The least and the largest of `block`, and the sum of their distances from `mean`.
+fn survey(block: &[f64], mean: f64) -> (f64, f64, f64) {
+    let mut low = [f64::INFINITY; LANES];
+    let mut high = [f64::NEG_INFINITY; LANES];
+    let mut sum = [0.0; LANES];
+    let (chunks, rest) = block.as_chunks::<LANES>();
     for chunk in chunks {
         for i in 0..LANES {
-            state[i] = step(state[i], chunk[i]);
+            let x = chunk[i];
+            low[i] = if x < low[i] { x } else { low[i] };
+            high[i] = if x > high[i] { x } else { high[i] };
+            sum[i] += x - mean;
         }
     }
-    for (state, &x) in state.iter_mut().zip(rest) {
-        *state = step(*state, x);
+    for (i, &x) in rest.iter().enumerate() {
+        (low[i], high[i]) = (low[i].min(x), high[i].max(x));
+        sum[i] += x - mean;
     }
-    state[1..]
-        .iter()
-        .fold(state[0], |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2))
+    (
+        low.into_iter().fold(f64::INFINITY, f64::min),
+        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        sum.iter().sum(),
+    )
+}
+
+/// The sum of squared distances from `middle`.
+fn scatter(block: &[f64], middle: f64) -> f64 {
+    let mut sum = [0.0; LANES];
+    let (chunks, rest) = block.as_chunks::<LANES>();
+    for chunk in chunks {
+        for i in 0..LANES {
+            sum[i] += (chunk[i] - middle) * (chunk[i] - middle);
+        }
+    }
+    for (i, &x) in rest.iter().enumerate() {
+        sum[i] += (x - middle) * (x - middle);
+    }
+    sum.iter().sum()
 }
 
 /// The distance between the quartiles of type 7: the order statistics at 1 + (n - 1)p, linear in between. \[Hyndman & Fan 1996\]

@@ -1,6 +1,6 @@
 //! Sums of derivatives of the Gaussian over all pairs of data.
 
-use super::lattice::{Lattice, TERMS};
+use super::lattice::{Cells, Lattice, TERMS};
 use crate::numeric::Sum;
 use crate::numeric::special::normal_density;
 use crate::sample::{Sample, Weights};
@@ -19,6 +19,11 @@ const COARSEST: f64 = 0.25;
 /// Cells that are collected straight from the data; more are reached by way of a sort.
 const DENSE: f64 = (1 << 17) as f64;
 
+/// Cells for which the data are looked at in the first place, if coarser ones would do, and data for each of them: the table of their moments still stays in the second-level cache,
+/// and all coarser lattices are made from them.
+const FIRST: f64 = (1 << 13) as f64;
+const DATA_PER_CELL: f64 = 16.0;
+
 /// Cells at most.
 const MOST: f64 = (1 << 21) as f64;
 
@@ -27,7 +32,7 @@ const FEW_PAIRS: f64 = 3e7;
 
 /// Σᵢⱼ wᵢwⱼ φ⁽ʳ⁾((Xᵢ - Xⱼ)/g) for any g and even r, with Σw = 1 and i = j included.
 ///
-/// One pass over the data makes the lags of a lattice fine enough for the g asked for; from then on a sum costs as much as
+/// One pass over the data makes the lags of a lattice fine enough for the g asked for, and of coarser ones without another pass; from then on a sum costs as much as
 /// there are lags within nine g, whatever n. A smaller g makes a finer lattice. Where the data lie too far apart for a lattice, gaps that no kernel
 /// reaches across are closed first (one sort), or the few pairs within reach are added one by one.
 ///
@@ -40,6 +45,8 @@ pub struct GaussianPairs {
     low: f64,
     high: f64,
     lattices: Mutex<Vec<Arc<Lattice>>>,
+    /// The finest cells into which the data were collected.
+    finest: Mutex<Option<Cells>>,
     sorted: OnceLock<Sorted>,
 }
 
@@ -58,6 +65,7 @@ impl GaussianPairs {
             low,
             high,
             lattices: Mutex::new(Vec::new()),
+            finest: Mutex::new(None),
             sorted: OnceLock::new(),
         }
     }
@@ -104,13 +112,7 @@ impl GaussianPairs {
         }
         let step = power_of_two_below(ratio * g);
         let made = if Lattice::cells(self.low, self.high, step) <= DENSE {
-            let each = match self.sample.weights() {
-                Weights::Equal(_) => None,
-                Weights::Each(weights) => Some(&weights[..]),
-            };
-            let mass = each.map_or(self.sample.len() as f64, |_| self.sample.mass());
-            let span = (self.low, self.high);
-            Lattice::new(self.sample.coordinates(), each, mass, span, step)
+            self.dense(step)
         } else {
             let sorted = self.sorted();
             if sorted.pairs_within(REACH * g, FEW_PAIRS) {
@@ -120,8 +122,8 @@ impl GaussianPairs {
             let (points, length) = sorted.closed(2.5 * REACH * g);
             // a little coarser than asked for rather than beyond the memory
             let step = step.max(power_of_two_below(2.0 * length / MOST));
-            let mut lattice =
-                Lattice::new(&points, Some(&sorted.weights), 1.0, (0.0, length), step);
+            let cells = Cells::collect(&points, Some(&sorted.weights), (0.0, length), step);
+            let mut lattice = Lattice::new(&cells, 1.0);
             lattice.whole_below = 2.5 * REACH * g;
             lattice
         };
@@ -129,6 +131,38 @@ impl GaussianPairs {
         lattices.push(made.clone());
         lattices.sort_by(|a, b| b.step.total_cmp(&a.step));
         Some(made)
+    }
+
+    /// A lattice of that step over all data, from cells at hand if they are fine enough, else from the data.
+    fn dense(&self, step: f64) -> Lattice {
+        let (each, mass) = match self.sample.weights() {
+            Weights::Equal(_) => (None, self.sample.len() as f64),
+            Weights::Each(weights) => (Some(&weights[..]), self.sample.mass()),
+        };
+        let mut finest = self.finest.lock().unwrap_or_else(PoisonError::into_inner);
+        let cells = match finest.take() {
+            Some(cells) if cells.step <= step => cells,
+            _ => {
+                let most = FIRST.min(self.sample.len() as f64 / DATA_PER_CELL);
+                let mut fine = step;
+                // not without end where the data have no range
+                for _ in 0..16 {
+                    if Lattice::cells(self.low, self.high, 0.5 * fine) > most {
+                        break;
+                    }
+                    fine *= 0.5;
+                }
+                let span = (self.low, self.high);
+                Cells::collect(self.sample.coordinates(), each, span, fine)
+            }
+        };
+        let mut coarse = None;
+        while coarse.as_ref().unwrap_or(&cells).step < step {
+            coarse = Some(coarse.as_ref().unwrap_or(&cells).doubled());
+        }
+        let lattice = Lattice::new(coarse.as_ref().unwrap_or(&cells), mass);
+        *finest = Some(cells);
+        lattice
     }
 
     fn sorted(&self) -> &Sorted {

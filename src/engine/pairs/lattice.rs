@@ -46,29 +46,77 @@ impl Lattice {
         }
     }
 
-    /// Collects `points`, all between `low` and `high`, into cells of width `step`, a power of two; `weights` are divided by `mass`. O(n + cells log cells).
-    pub fn new(
-        points: &[f64],
-        weights: Option<&[f64]>,
-        mass: f64,
-        (low, high): (f64, f64),
-        step: f64,
-    ) -> Self {
-        let cells = moments::<TERMS>(
-            points,
-            weights,
-            binning::Lattice {
-                width: step,
-                first: (low / step).floor(),
-                count: Self::cells(low, high, step) as usize,
-            },
-        );
+    /// The lags of `cells`, whose weights are divided by `mass`. O(cells log cells).
+    pub fn new(cells: &Cells, mass: f64) -> Self {
         Self {
-            step,
-            lags: correlate(&cells, mass.recip()),
+            step: cells.step,
+            lags: correlate(&cells.moments, mass.recip()),
             whole_below: f64::INFINITY,
         }
     }
+}
+
+/// Moments Σ w uᵏ of the cells of one width, u in widths from the centre.
+pub(super) struct Cells {
+    /// δ, a power of two.
+    pub step: f64,
+    moments: Vec<Lag>,
+}
+
+impl Cells {
+    /// Collects `points`, all between `low` and `high`, into cells of width `step`, a power of two. O(n + cells).
+    pub fn collect(
+        points: &[f64],
+        weights: Option<&[f64]>,
+        (low, high): (f64, f64),
+        step: f64,
+    ) -> Self {
+        let lattice = binning::Lattice {
+            width: step,
+            first: (low / step).floor(),
+            count: Lattice::cells(low, high, step) as usize,
+        };
+        Self {
+            step,
+            moments: moments::<TERMS>(points, weights, lattice),
+        }
+    }
+
+    /// The same data in cells twice as wide, each two of these seen from between them: exact, without another look at the data. Where the
+    /// first cell lies does not matter to displacements. O(cells).
+    pub fn doubled(&self) -> Self {
+        let halves = |pair: &[Lag]| {
+            let mut sum = seen_from(&pair[0], -0.25);
+            if let Some(right) = pair.get(1) {
+                let right = seen_from(right, 0.25);
+                for k in 0..TERMS {
+                    sum[k] += right[k];
+                }
+            }
+            sum
+        };
+        Self {
+            step: 2.0 * self.step,
+            moments: self.moments.chunks(2).map(halves).collect(),
+        }
+    }
+}
+
+/// Moments in units twice as long about another centre, from which a datum at u is at u/2 + `by`.
+fn seen_from(moments: &Lag, by: f64) -> Lag {
+    let mut seen = [0.0; TERMS];
+    let mut scale = 1.0;
+    for k in 0..TERMS {
+        seen[k] = moments[k] * scale;
+        scale *= 0.5;
+    }
+    // (u + b)ᵏ for all k by repeated Horner steps
+    for from in 1..TERMS {
+        for k in (from..TERMS).rev() {
+            seen[k] += by * seen[k - 1];
+        }
+    }
+    seen
 }
 
 /// Mⱼ[p] for all lags j ≥ 0 that hold a pair.
@@ -150,7 +198,8 @@ mod tests {
             .collect();
         let weights: Vec<f64> = points.iter().map(|x| 1.0 + x * x).collect();
         let mass: f64 = weights.iter().sum();
-        let lattice = Lattice::new(&points, Some(&weights), mass, (-1.0, 4.0), 0.25);
+        let cells = Cells::collect(&points, Some(&weights), (-1.0, 4.0), 0.25);
+        let lattice = Lattice::new(&cells, mass);
         let mut expected = vec![[0.0; TERMS]; lattice.lags.len()];
         for (x, v) in points.iter().zip(&weights) {
             for (y, w) in points.iter().zip(&weights) {
@@ -168,6 +217,34 @@ mod tests {
         for (lag, expected) in lattice.lags.iter().zip(&expected) {
             for p in 0..TERMS {
                 assert!((lag[p] - expected[p]).abs() < 1e-16, "{lag:?} {expected:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn doubled_cells_hold_the_same_data() {
+        let points: Vec<f64> = (0..90)
+            .map(|i| (f64::from(i) * 0.618_034).fract() * 5.0 - 1.0)
+            .collect();
+        let weights: Vec<f64> = points.iter().map(|x| 1.0 + x * x).collect();
+        let fine = Cells::collect(&points, Some(&weights), (-1.0, 4.0), 0.125);
+        let coarse = fine.doubled();
+        assert_eq!(coarse.moments.len(), fine.moments.len().div_ceil(2));
+        // the first of the fine cells is centred at -1, and between it and the next is the centre of the first of the coarse ones
+        let mut expected = vec![[0.0; TERMS]; coarse.moments.len()];
+        for (x, w) in points.iter().zip(&weights) {
+            let cell = (0.5 * (x / 0.125).round_ties_even() + 4.0).floor();
+            let u = (x - (0.25 * cell - 0.9375)) / 0.25;
+            for (k, sum) in expected[cell as usize].iter_mut().enumerate() {
+                *sum += w * u.powi(k as i32);
+            }
+        }
+        for (cell, expected) in coarse.moments.iter().zip(&expected) {
+            for k in 0..TERMS {
+                assert!(
+                    (cell[k] - expected[k]).abs() < 1e-13,
+                    "{cell:?} {expected:?}"
+                );
             }
         }
     }
