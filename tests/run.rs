@@ -1,11 +1,14 @@
 //! The run machinery: the same numbers for any number of threads, after any interruption, from any damage.
 #![allow(clippy::unwrap_used)]
 
+use density_lab::experiment::judge::{Ruling, judge};
 use density_lab::experiment::results::Results;
 use density_lab::experiment::run::{
     Bench, Existing, Identity, Opening, RunError, RunFolder, Silent, run,
 };
-use density_lab::experiment::{EstimatorSpec, Experiment, GridSpec, SourceSpec, table};
+use density_lab::experiment::{
+    Claim, Elsewhere, EstimatorSpec, Experiment, GridSpec, Measure, SourceSpec, Statement, table,
+};
 use density_lab::parameter::{Value, Values};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -337,4 +340,71 @@ fn quick_runs_are_runs_of_their_own() {
         RunFolder::default_place("test", &whole),
         RunFolder::default_place("test", &quick)
     );
+}
+
+/// The variance of an estimate of fixed bandwidth falls as 1/n: what n = 50 has over n = 80 is 1.6, and a claim that says otherwise fails.
+#[test]
+fn claims_reach_over_sizes_and_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut experiment = experiment();
+    experiment.replicates = 800;
+    experiment.sources.push(SourceSpec::Density {
+        name: "the same again".to_owned(),
+        kind: "bimodal".to_owned(),
+        values: Values::default(),
+        paths: None,
+    });
+    let claim = |says: &str, statement: Statement| Claim {
+        says: says.to_owned(),
+        draws: Some(50),
+        source: Some("bimodal".to_owned()),
+        statement,
+        line: 1,
+    };
+    let smaller = Elsewhere {
+        source: None,
+        draws: Some(80),
+    };
+    let twin = Elsewhere {
+        source: Some("the same again".to_owned()),
+        draws: None,
+    };
+    let times = |other: &Elsewhere, equals: f64| Statement::Equals {
+        measure: Measure::Mise,
+        of: "narrow".to_owned(),
+        over: Some("narrow".to_owned()),
+        other: other.clone(),
+        equals,
+        margin: 0.1,
+        confidence: 0.99,
+    };
+    let below = |by: f64| Statement::Below {
+        measure: Measure::Mise,
+        of: "wide".to_owned(),
+        below: "narrow".to_owned(),
+        other: smaller.clone(),
+        by,
+        confidence: 0.99,
+    };
+    experiment.claims = vec![
+        // bias² is a tenth of the whole
+        claim("right", times(&smaller, 1.55)),
+        claim("wrong", times(&smaller, 1.35)),
+        claim("paired", times(&twin, 1.0)),
+        claim("the other way", times(&twin, 1.2)),
+        claim("never", below(5.0)),
+    ];
+    let bench = Bench::<1>::new(experiment).unwrap();
+    let opened = open(
+        &folder.path().join("run"),
+        bench.experiment(),
+        Existing::Continue,
+    );
+    let finished = run(&bench, &opened, &AtomicBool::new(false), &Silent).unwrap();
+    let verdicts = judge(&bench, &Results::gather(&bench, finished));
+    let holds: Vec<bool> = verdicts
+        .iter()
+        .map(|verdict| verdict.outcome == Ruling::Holds)
+        .collect();
+    assert_eq!(holds, [true, false, true, false, false], "{verdicts:#?}");
 }

@@ -83,6 +83,17 @@ pub fn grid(text: &str) -> Result<Grid<1>, String> {
     })
 }
 
+/// `NxM`: two whole numbers from 1.
+pub fn cells(text: &str) -> Result<[usize; 2], String> {
+    const ALLOWED: &str = "allowed is NxM, two whole numbers from 1 to 65536, such as 32x32";
+    let one = |text: &str| match text.trim().parse::<usize>() {
+        Ok(n) if (1..=65_536).contains(&n) => Ok(n),
+        _ => Err(ALLOWED.to_owned()),
+    };
+    let (first, second) = text.split_once(['x', 'X', '×']).ok_or(ALLOWED)?;
+    Ok([one(first)?, one(second)?])
+}
+
 /// One for each axis.
 #[derive(Clone, Debug)]
 pub struct Each<T>(pub Vec<T>);

@@ -12,11 +12,14 @@ mod doctor;
 mod estimate;
 mod estimator;
 mod interrupt;
+mod irradiance;
+mod light;
 mod list;
 mod notes;
 mod oracle;
 mod output;
 mod phases;
+mod render;
 mod run;
 mod sample;
 mod schema;
@@ -73,6 +76,8 @@ enum Command {
     Diff(diff::Diff),
     Doctor(doctor::Doctor),
     Trace(trace::Trace),
+    Irradiance(irradiance::Irradiance),
+    Render(render::Render),
     Schema(schema::Schema),
     Completions(completions::Completions),
 }
@@ -90,6 +95,8 @@ impl Command {
             Self::Diff(diff) => diff.run(notes),
             Self::Doctor(doctor) => doctor.run(notes),
             Self::Trace(trace) => trace.run(notes),
+            Self::Irradiance(irradiance) => irradiance.run(notes),
+            Self::Render(render) => render.run(notes),
             Self::Schema(_) => schema::Schema::run(),
             Self::Completions(completions) => completions.run(),
         }

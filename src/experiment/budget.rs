@@ -183,7 +183,7 @@ fn file_rows(experiment: &Experiment) -> f64 {
         .iter()
         .filter_map(|source| match source {
             SourceSpec::File { path, .. } => std::fs::metadata(path).ok(),
-            SourceSpec::Density { .. } => None,
+            SourceSpec::Density { .. } | SourceSpec::Scene { .. } => None,
         })
         // A number takes some four bytes of text at least.
         .map(|data| data.len() as f64 / 4.0)

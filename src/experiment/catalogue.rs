@@ -5,7 +5,7 @@ use crate::accuracy::{Directions, LocalError};
 use crate::density::{self, Density, Truth};
 use crate::estimator::{self, Build, BuildError, Context, Described, Estimator};
 use crate::parameter::{Parameter, Values};
-use crate::sample::{Clustered, Source};
+use crate::sample::{Clustered, Exposed, Source};
 use crate::uncertainty::{Differences, ErrorEstimate};
 use std::sync::Arc;
 
@@ -55,6 +55,9 @@ pub trait Builds<const D: usize> {
 
     /// An estimate of the error.
     fn error_estimate(kind: &UncertaintyKind) -> Box<dyn ErrorEstimate<D>>;
+
+    /// A source in the plane, if that is where `D` dimensions are.
+    fn exposed(source: Arc<dyn Exposed<2>>) -> Option<Arc<dyn Exposed<D>>>;
 }
 
 impl Builds<1> for Entry {
@@ -80,6 +83,10 @@ impl Builds<1> for Entry {
     fn truth(truth: Truth) -> Option<Arc<dyn Density<1>>> {
         truth.line().map(|density| density as Arc<dyn Density<1>>)
     }
+
+    fn exposed(_: Arc<dyn Exposed<2>>) -> Option<Arc<dyn Exposed<1>>> {
+        None
+    }
 }
 
 impl Builds<2> for Entry {
@@ -104,6 +111,10 @@ impl Builds<2> for Entry {
 
     fn truth(truth: Truth) -> Option<Arc<dyn Density<2>>> {
         truth.plane().map(|density| density as Arc<dyn Density<2>>)
+    }
+
+    fn exposed(source: Arc<dyn Exposed<2>>) -> Option<Arc<dyn Exposed<2>>> {
+        Some(source)
     }
 }
 

@@ -106,12 +106,41 @@ pub struct Claim {
     pub line: usize,
 }
 
+/// Where a number is taken that another is compared with, if not from the same samples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Elsewhere {
+    /// The source, if another.
+    pub source: Option<String>,
+    /// The sample size, if another.
+    pub draws: Option<usize>,
+}
+
+impl Elsewhere {
+    /// Whether it is the same place.
+    pub fn is_here(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// As the end of a sentence; nothing for the same place.
+impl fmt::Display for Elsewhere {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(source) = &self.source {
+            write!(f, " on {source}")?;
+        }
+        match self.draws {
+            Some(draws) => write!(f, " at n = {draws}"),
+            None => Ok(()),
+        }
+    }
+}
+
 /// What must hold.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Statement {
     /// `MEASURE = { of = A, below = B, by = FACTOR, confidence = C }`: A's mean times the factor is below B's, one-sided and paired
-    /// over replicates, at the confidence. For exact measures a plain comparison.
+    /// over replicates, at the confidence; B's from another source or sample size with `other-source` and `other-draws`. For exact measures a plain comparison.
     Below {
         /// What is compared.
         measure: Measure,
@@ -119,6 +148,9 @@ pub enum Statement {
         of: String,
         /// The estimator that is worse.
         below: String,
+        /// Where it is worse.
+        #[serde(skip_serializing_if = "Elsewhere::is_here")]
+        other: Elsewhere,
         /// At least by this factor; 1 if not given.
         by: f64,
         /// Confidence of the paired one-sided interval; 0.99 if not given.
@@ -126,7 +158,8 @@ pub enum Statement {
     },
     /// `MEASURE = { of = A, [over = B | "minimum"], equals = V, (within = REL | margin = ABS), [confidence = C] }`: an equivalence. For a simulated measure
     /// the whole confidence interval must lie inside the margins; an exact one must itself. `over` divides by another estimator's value, or by the
-    /// least MISE that any bandwidth gives with the same kernel and truth (`minimum`, exact-mise only).
+    /// least MISE that any bandwidth gives with the same kernel and truth (`minimum`, exact-mise only); that value from another source or sample size with
+    /// `other-source` and `other-draws`, and of the same estimator where `over` is not given.
     Equals {
         /// What is compared.
         measure: Measure,
@@ -134,6 +167,9 @@ pub enum Statement {
         of: String,
         /// What to divide by.
         over: Option<String>,
+        /// Where the value is taken that is divided by.
+        #[serde(skip_serializing_if = "Elsewhere::is_here")]
+        other: Elsewhere,
         /// The expected value.
         equals: f64,
         /// The margin, absolute.
@@ -268,10 +304,15 @@ impl fmt::Display for Statement {
                 measure,
                 of,
                 below,
+                other,
                 by,
                 ..
             } => {
-                write!(f, "{} of {of} is below that of {below}", measure.name())?;
+                write!(
+                    f,
+                    "{} of {of} is below that of {below}{other}",
+                    measure.name()
+                )?;
                 if (by - 1.0).abs() < f64::EPSILON {
                     Ok(())
                 } else {
@@ -282,6 +323,7 @@ impl fmt::Display for Statement {
                 measure,
                 of,
                 over,
+                other,
                 equals,
                 margin,
                 ..
@@ -291,7 +333,7 @@ impl fmt::Display for Statement {
                 match over.as_deref() {
                     None => Ok(()),
                     Some("minimum") => f.write_str(" times the least of any bandwidth"),
-                    Some(over) => write!(f, " times that of {over}"),
+                    Some(over) => write!(f, " times that of {over}{other}"),
                 }
             }
             Self::AgreesWithExact { measure, of, .. } => {

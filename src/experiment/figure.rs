@@ -52,6 +52,11 @@ pub enum FigureKind {
         /// Level lines at round values.
         levels: bool,
     },
+    /// All sources that are flat pieces of surfaces in space, unfolded into one map for each estimator.
+    Unfolded {
+        /// Any of `points` (the first sample), `truth` and `sample` (the estimates from it).
+        show: Vec<String>,
+    },
     /// The best bandwidth at each place beside the best for all, exactly and by leading terms.
     LocalBandwidth {
         /// The kernel.

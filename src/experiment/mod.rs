@@ -25,7 +25,7 @@ mod summary;
 pub mod table;
 pub mod uncertainty;
 
-pub use claim::{Claim, Measure, Statement};
+pub use claim::{Claim, Elsewhere, Measure, Statement};
 pub use figure::{Figure, FigureKind};
 pub use ladder::Ladder;
 pub use summary::summary;
@@ -102,13 +102,26 @@ pub enum SourceSpec {
         /// The BLAKE3 hash of the file's bytes: other data are another experiment.
         hash: String,
     },
+    /// Photon hits on a surface of a scene.
+    Scene {
+        /// What it is called in tables and claims: the name of the surface or of the walk.
+        name: String,
+        /// The scene, relative paths resolved against the experiment's folder.
+        path: PathBuf,
+        /// The surface, by its name in the scene.
+        surface: String,
+        /// How photons walk.
+        values: Values,
+        /// The BLAKE3 hash of the scene's file.
+        hash: String,
+    },
 }
 
 impl SourceSpec {
     /// What the source is called.
     pub fn name(&self) -> &str {
         match self {
-            Self::Density { name, .. } | Self::File { name, .. } => name,
+            Self::Density { name, .. } | Self::File { name, .. } | Self::Scene { name, .. } => name,
         }
     }
 
@@ -119,6 +132,7 @@ impl SourceSpec {
                 density::entry(kind).map_or(1, density::Entry::dimensions)
             }
             Self::File { columns, .. } => columns.len(),
+            Self::Scene { .. } => 2,
         }
     }
 }

@@ -5,8 +5,9 @@
 
 use super::Measure;
 use super::catalogue;
-use super::read::{figure, form, grid, source, stop, sweep, uncertainty, whole};
+use super::read::{figure, form, grid, scene, source, stop, sweep, uncertainty, whole};
 use crate::density;
+use crate::light::photons::WALK;
 use crate::parameter::{Absent, Kind, Parameter};
 use serde_json::{Map, Value, json};
 
@@ -195,7 +196,23 @@ fn source_schema() -> Value {
             },
         },
         file,
+        scenes(),
     ] })
+}
+
+/// Photon hits: a path or a table, or a list of them, beside the surfaces.
+fn scenes() -> Value {
+    let mut told = WALK.to_vec();
+    told.insert(0, scene::FILE);
+    told.extend(NAME);
+    let one = json!({ "anyOf": [{ "type": "string" }, table(&told)] });
+    let mut schema = table(&[scene::SURFACE]);
+    schema["properties"]["scene"] = described(
+        json!({ "anyOf": [one, { "type": "array", "minItems": 1, "items": one }] }),
+        "a scene by the path of its file, one with how photons walk in it, or a list of them",
+    );
+    schema["required"] = json!(["scene", "surface"]);
+    schema
 }
 
 /// A table with keys of its own and exactly one of `kinds`.

@@ -70,6 +70,19 @@ fn source_line(source: &SourceSpec) -> String {
                 if told.is_empty() { "" } else { ": " }
             )
         }
+        SourceSpec::Scene {
+            path,
+            surface,
+            values,
+            ..
+        } => {
+            let told = settings(values);
+            format!(
+                "photon hits on the surface {surface} of {}{}{told}",
+                path.display(),
+                if told.is_empty() { "" } else { ": " }
+            )
+        }
         SourceSpec::File {
             path,
             columns,
@@ -195,6 +208,7 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::Efficiency {} => "efficiency",
         FigureKind::Uncertainty { .. } => "uncertainty",
         FigureKind::Maps { .. } => "maps",
+        FigureKind::Unfolded { .. } => "unfolded",
         FigureKind::Section { .. } => "section",
     }
 }

@@ -12,15 +12,24 @@
 //! | [`hits`] | where photons arrived: weighted points |
 //! | [`ledger`] | where the light went |
 //! | [`walk`] | photons: lamps, flights, survival |
+//! | [`reference`] | what the light really is, without a photon |
+//! | [`photons`] | the hits on a surface as a source of samples |
+//! | [`illumination`] | light at places, from whatever knows it, and pictures of it |
+//! | [`camera`], [`image`] | rays through pixels, and what pixels become |
 
+pub mod camera;
 #[cfg(test)]
 mod chance;
 pub mod cie;
 pub mod emission;
 pub mod hits;
+pub mod illumination;
+pub mod image;
 pub mod ledger;
 pub mod material;
+pub mod photons;
 pub mod ray;
+pub mod reference;
 pub mod scene;
 pub mod spectrum;
 pub mod vector;

@@ -15,6 +15,6 @@ mod weighted;
 pub use clustered::Clustered;
 pub use drawn::Drawn;
 pub use paths::Paths;
-pub use source::Source;
+pub use source::{Exposed, Source};
 pub use summary::Summary;
 pub use weighted::{Sample, SampleError, Weights};

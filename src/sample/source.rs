@@ -3,6 +3,7 @@
 use super::{Sample, SampleError};
 use crate::density::Density;
 use crate::random::Stream;
+use crate::space::{Domain, Field};
 
 /// Yields samples. The light half of the laboratory meets the statistics half here and in `Field`, and nowhere else.
 pub trait Source<const D: usize>: Send + Sync {
@@ -25,4 +26,19 @@ impl<const D: usize> Source<D> for Sample<D> {
     fn sample(&self, _draws: usize, _random: &mut Stream) -> Result<Sample<D>, SampleError> {
         Ok(self.clone())
     }
+}
+
+/// A source whose truth has any mass and is a density to nobody: hits on a surface, say.
+pub trait Exposed<const D: usize>: Source<D> {
+    /// Where points may lie: finite.
+    fn domain(&self) -> &Domain<D>;
+
+    /// What estimates should be: the expectation of the measure per length, area, ...
+    fn field(&self) -> &dyn Field<D>;
+
+    /// The cells of each axis beyond which the truth costs more than it tells.
+    fn resolution(&self) -> usize;
+
+    /// Where the points lie in space, if they do: the place of the origin of their coordinates and the directions of both axes, of length 1.
+    fn frame(&self) -> Option<[[f64; 3]; 3]>;
 }

@@ -89,6 +89,9 @@ pub enum SampleError {
     /// Weights whose sum is zero or overflows.
     #[error("the weights sum to {0}; the sum must be positive and finite")]
     Mass(f64),
+    /// Nothing could be drawn.
+    #[error("{0}")]
+    Source(String),
 }
 
 /// One number for all points, or one each.

@@ -7,6 +7,7 @@
 //! | improved-sheather-jones | the same, without a normal reference anywhere | `improved.rs` |
 //! | lscv, ucv | an unbiased estimate of MISE | `least_squares.rs` |
 //! | bcv | an estimate of AMISE | `biased.rs` |
+//! | walter | nothing: it expects so many points in the support of a kernel of the plane | `fixed_count.rs` |
 //! | oracle-ise | the error itself, where the truth is known | `least_ise.rs` |
 //! | likelihood-cross-validation, k-fold-likelihood | the surprise at a datum, given the others | `likelihood.rs` |
 //! | in the plane: silverman, normal-reference, scott | AMISE if the density were normal | `plane/mod.rs` |
@@ -27,6 +28,7 @@
 mod biased;
 mod bin_search;
 mod bin_width;
+mod fixed_count;
 mod functionals;
 mod improved;
 mod least_ise;
@@ -47,6 +49,7 @@ pub use bin_search::{knuth, stone};
 pub use bin_width::{
     BinWidth, freedman_diaconis, frequency_polygon, scott, shifted_histogram, sturges,
 };
+pub use fixed_count::FixedCount;
 pub use improved::ImprovedSheatherJones;
 pub use least_ise::LeastIse;
 pub use least_squares::{LeastSquares, Unbiased};
@@ -97,6 +100,12 @@ pub enum SelectError {
     /// The rule does not exist for such data.
     #[error("{0}")]
     Unable(String),
+    /// A rule that needs walls and finds none.
+    #[error("\"{rule}\" needs a domain of finite area: give the domain its limits, or a number")]
+    Unbounded {
+        /// The rule.
+        rule: &'static str,
+    },
 }
 
 /// A bandwidth, with what the reader should know about how it came about.
@@ -219,8 +228,8 @@ pub struct PlaneEntry {
 pub static PLANE: &[PlaneEntry] = plane::ENTRIES;
 
 /// Words that stand for a bandwidth: the selectors, and the best for a known truth.
-pub const WORDS: [&str; COUNT + 4] = {
-    let mut words = ["oracle"; COUNT + 4];
+pub const WORDS: [&str; COUNT + 5] = {
+    let mut words = ["oracle"; COUNT + 5];
     let mut i = 0;
     while i < COUNT {
         words[i] = ENTRIES[i].name;
@@ -229,6 +238,7 @@ pub const WORDS: [&str; COUNT + 4] = {
     words[COUNT] = plane::COMMON;
     words[COUNT + 2] = "oracle-ise";
     words[COUNT + 3] = "amise";
+    words[COUNT + 4] = FixedCount::NAME;
     words
 };
 

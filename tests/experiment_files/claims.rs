@@ -218,3 +218,33 @@ fn theory_that_is_not_there_is_missed_at_once() {
         assert_eq!(told(400, claim), Ok(()), "{claim}");
     }
 }
+
+#[test]
+fn another_source_or_size_must_be_one_of_the_experiment_and_simulated() {
+    refused(
+        400,
+        r#"mise = { of = "wide", equals = 1.0, within = 0.1, other-draws = 200 }"#,
+        "200",
+        &["200 is not one of the experiment's sample sizes", "100"],
+    );
+    refused(
+        400,
+        r#"mise = { of = "wide", below = "wide", other-source = "bimodl" }"#,
+        "\"bimodl\"",
+        &["there is no source \"bimodl\"", "bimodal"],
+    );
+    refused(
+        400,
+        r#"exact-mise = { of = "wide", below = "best", other-draws = 100 }"#,
+        "100",
+        &["exact values are compared on one source and sample size"],
+    );
+    refused(
+        400,
+        r#"mise = { of = "wide", below = "wide" }"#,
+        "\"wide\" }",
+        &["an estimator cannot be below itself"],
+    );
+    let elsewhere = r#"mise = { of = "wide", below = "wide", other-draws = 100 }"#;
+    assert_eq!(told(400, elsewhere), Ok(()));
+}

@@ -10,8 +10,8 @@ mod schema;
 use changed::CHANGED;
 use density_lab::estimator::Context;
 use density_lab::experiment::{
-    EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Limits, Measure, SourceSpec,
-    Statement, read, summary,
+    Elsewhere, EstimatorSpec, Experiment, Figure, FigureKind, GridSpec, Limits, Measure,
+    SourceSpec, Statement, read, summary,
 };
 use density_lab::parameter::Value;
 use std::fmt::Write as _;
@@ -110,6 +110,7 @@ fn a_file_resolves_to_checked_values_with_defaults_filled_in() {
             measure: Measure::ExactMise,
             of: "swept, h = 0.25".to_owned(),
             over: Some("minimum".to_owned()),
+            other: Elsewhere::default(),
             equals: -2.0,
             margin: 0.1,
             confidence: 0.99,

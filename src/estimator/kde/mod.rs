@@ -11,7 +11,7 @@ use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
 use crate::numeric::Sum;
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
-use crate::selector::{self, LeastIse, Selector};
+use crate::selector::{self, FixedCount, LeastIse, Selector};
 use crate::space::{Domain, Evaluation, Field, Point, Side, Targets};
 use crate::theory::{Family, kernel_moments};
 use rayon::prelude::*;
@@ -265,6 +265,15 @@ pub(super) const BANDWIDTH_Y: Parameter = Parameter::optional(
 .length()
 .only_in(2);
 
+/// What the rule "walter" is told.
+const EXPECTED: Parameter = Parameter::optional(
+    "expected",
+    Kind::Positive,
+    Absent::Unset,
+    "with bandwidth = \"walter\": how many points the support holds if they are even; 20 if not given",
+)
+.only_in(2);
+
 /// The bandwidth of the kernel estimator and its kin.
 pub(super) const BANDWIDTH: Parameter = Parameter::required(
     "bandwidth",
@@ -293,6 +302,7 @@ where
         ),
         BANDWIDTH,
         BANDWIDTH_Y,
+        EXPECTED,
         SYMMETRY,
         Parameter::optional(
             "engine",
@@ -333,6 +343,12 @@ impl Kde {
         context: &Context<1>,
     ) -> Result<Self, BuildError> {
         let word = values.word("bandwidth");
+        if word == Some(FixedCount::NAME) {
+            return Err(BuildError {
+                parameter: "bandwidth",
+                what: format!("\"{}\" is a rule of the plane", FixedCount::NAME),
+            });
+        }
         let chosen = match (word, &context.truth) {
             (Some("oracle-ise"), Some(truth)) => Some(Box::new(LeastIse {
                 truth: truth.clone(),

@@ -10,7 +10,7 @@ use crate::estimator::{
 use crate::kernel::{Shape, Symmetry};
 use crate::parameter::{Value, Values, listed};
 use crate::sample::Sample;
-use crate::selector;
+use crate::selector::{self, FixedCount};
 use crate::space::{Point, Side};
 use crate::theory::{kernel_oracle, plane_kernel_moments};
 use rayon::prelude::*;
@@ -136,6 +136,10 @@ impl Kde<2> {
         let second = values.number("bandwidth-y");
         let width = match (values.number("bandwidth"), values.word("bandwidth")) {
             (Some(h), _) => Width::Numbers([h, second.unwrap_or(h)]),
+            (None, Some(FixedCount::NAME)) if second.is_none() => {
+                let count = values.number("expected").unwrap_or(FixedCount::DEFAULT);
+                Width::Selected(Box::new(FixedCount::new(count, symmetry)))
+            }
             (None, word) => {
                 let word = word.unwrap_or_default();
                 if second.is_some() {
@@ -161,6 +165,16 @@ impl Kde<2> {
                 Width::Selected((entry.build)(symmetry))
             }
         };
+        let told = values.word("bandwidth") == Some(FixedCount::NAME);
+        if values.number("expected").is_some() && !told {
+            return Err(BuildError {
+                parameter: "expected",
+                what: format!(
+                    "`expected` is what bandwidth = \"{}\" is told; other widths have no use for it",
+                    FixedCount::NAME
+                ),
+            });
+        }
         Ok(Self {
             shape,
             symmetry,

@@ -9,18 +9,16 @@ use crate::experiment::table::exact_counterpart;
 use crate::random;
 
 pub(super) fn below_by<const D: usize>(
-    group: &Group<D>,
+    ((group, of), (other, below)): ((&Group<D>, &str), (&Group<D>, &str)),
     measure: Measure,
-    (of, below): (&str, &str),
     by: f64,
     confidence: f64,
     mut random: random::Stream,
 ) -> Option<(bool, String)> {
-    let (a, b) = (group.outcome(of)?, group.outcome(below)?);
-    let mass = group.truth_integral();
+    let (a, b) = (group.outcome(of)?, other.outcome(below)?);
     let (Some(a_values), Some(b_values)) = (
-        a.per_replicate(measure, mass),
-        b.per_replicate(measure, mass),
+        a.per_replicate(measure, group.truth_integral()),
+        b.per_replicate(measure, other.truth_integral()),
     ) else {
         let (a, b) = (
             a.measures.get(&measure)?.value,
@@ -54,9 +52,9 @@ pub(super) fn below_by<const D: usize>(
 
 pub(super) fn equal<const D: usize>(
     bench: &Bench<D>,
-    group: &Group<D>,
+    (group, of): (&Group<D>, &str),
+    over: Option<(&Group<D>, &str)>,
     measure: Measure,
-    (of, over): (&str, Option<&str>),
     (equals, margin): (f64, f64),
     confidence: f64,
 ) -> Option<(bool, String)> {
@@ -67,14 +65,14 @@ pub(super) fn equal<const D: usize>(
             (interval.low, interval.value, interval.high)
         }
         // the least MISE is over the whole line, the measured one over the grid: they compare only where the grid holds all
-        Some("minimum") if group.truth_integral() < 0.999 => {
+        Some((_, "minimum")) if group.truth_integral() < 0.999 => {
             return Some((
                 false,
                 "the grid is too narrow to compare with the least MISE over the whole line"
                     .to_owned(),
             ));
         }
-        Some("minimum") => {
+        Some((_, "minimum")) => {
             let least = least_mise(bench, group, of)?;
             let interval = outcome.interval(measure, confidence, group)?;
             (
@@ -83,7 +81,10 @@ pub(super) fn equal<const D: usize>(
                 interval.high / least,
             )
         }
-        Some(other) => ratio(group, measure, outcome, group.outcome(other)?, confidence)?,
+        Some((other, over)) => {
+            let divisor = (other, other.outcome(over)?);
+            ratio(measure, (group, outcome), divisor, confidence)?
+        }
     };
     let inside = equals - margin <= low && high <= equals + margin;
     let band = if high > low {
@@ -104,16 +105,14 @@ pub(super) fn equal<const D: usize>(
 
 /// One outcome's measure over another's, paired where both are simulated: lower end, value, upper end.
 fn ratio<const D: usize>(
-    group: &Group<D>,
     measure: Measure,
-    a: &Outcome,
-    b: &Outcome,
+    (group, a): (&Group<D>, &Outcome),
+    (other, b): (&Group<D>, &Outcome),
     confidence: f64,
 ) -> Option<(f64, f64, f64)> {
-    let mass = group.truth_integral();
     if let (Some(a), Some(b)) = (
-        a.per_replicate(measure, mass),
-        b.per_replicate(measure, mass),
+        a.per_replicate(measure, group.truth_integral()),
+        b.per_replicate(measure, other.truth_integral()),
     ) {
         let paired = compare(&a, &b, confidence);
         let error = paired.ratio_error.unwrap_or(0.0);

@@ -14,7 +14,7 @@ pub use slope::slope;
 use super::manifest::Line;
 use super::results::{Group, Results};
 use super::run::Bench;
-use super::{Claim, Experiment, Measure, Statement};
+use super::{Claim, Elsewhere, Experiment, Measure, Statement};
 use crate::accuracy::sidak;
 use crate::random;
 use comparison::{agrees, below_by, equal};
@@ -86,7 +86,7 @@ pub fn judge<const D: usize>(bench: &Bench<D>, results: &Results<D>) -> Vec<Verd
             }
             let rulings: Vec<(bool, String)> = groups
                 .iter()
-                .map(|group| judge_one(bench, number, claim, (group, groups.len())))
+                .map(|group| judge_one(bench, results, number, claim, (group, groups.len())))
                 .collect();
             let holds = !rulings.is_empty() && rulings.iter().all(|(holds, _)| *holds);
             let detail = summarise(&rulings, &groups);
@@ -170,9 +170,22 @@ fn concerns<const D: usize>(claim: &Claim, group: &Group<D>) -> bool {
             .is_none_or(|source| *source == group.name)
 }
 
+/// The group with the number that one of `group` is compared with.
+fn elsewhere<'r, const D: usize>(
+    results: &'r Results<D>,
+    group: &'r Group<D>,
+    other: &Elsewhere,
+) -> Option<&'r Group<D>> {
+    let source = other.source.as_ref().unwrap_or(&group.name);
+    let draws = other.draws.unwrap_or(group.draws);
+    let mut groups = results.groups.iter();
+    groups.find(|group| group.name == *source && group.draws == draws)
+}
+
 #[expect(clippy::too_many_lines, reason = "one arm a kind of statement")]
 fn judge_one<const D: usize>(
     bench: &Bench<D>,
+    results: &Results<D>,
     number: usize,
     claim: &Claim,
     (group, groups): (&Group<D>, usize),
@@ -186,6 +199,7 @@ fn judge_one<const D: usize>(
             measure,
             of,
             below,
+            other,
             by,
             confidence,
         } => {
@@ -194,23 +208,24 @@ fn judge_one<const D: usize>(
                 &format!("bootstrap/{}/{}", group.name, group.draws),
                 number as u64,
             );
-            below_by(group, *measure, (of, below), *by, *confidence, random)
+            elsewhere(results, group, other).and_then(|other| {
+                let pair = ((group, &**of), (other, &**below));
+                below_by(pair, *measure, *by, *confidence, random)
+            })
         }
         Statement::Equals {
             measure,
             of,
             over,
+            other,
             equals,
             margin,
             confidence,
-        } => equal(
-            bench,
-            group,
-            *measure,
-            (of, over.as_deref()),
-            (*equals, *margin),
-            *confidence,
-        ),
+        } => elsewhere(results, group, other).and_then(|other| {
+            let over = over.as_deref().map(|over| (other, over));
+            let expected = (*equals, *margin);
+            equal(bench, (group, of), over, *measure, expected, *confidence)
+        }),
         Statement::AgreesWithExact {
             measure,
             of,

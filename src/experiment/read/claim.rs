@@ -7,7 +7,7 @@ use super::problem::{Problem, Span};
 use super::rate::{coverage, slope};
 use super::setting::Setting;
 use super::value::{self, Located};
-use crate::experiment::{Claim, Measure, Statement};
+use crate::experiment::{Claim, Elsewhere, Measure, Statement};
 use crate::parameter::{Parameter, listed};
 
 /// Reads one `[[claim]]`.
@@ -207,7 +207,8 @@ fn measured(
     let statement = match form.key {
         "below" => {
             let below = values.word("below")?;
-            if below == of {
+            let other = elsewhere(reader, &read, measure, setting)?;
+            if below == of && other.is_here() {
                 reader.report(Problem::at(
                     read.place("below"),
                     "an estimator cannot be below itself",
@@ -221,6 +222,7 @@ fn measured(
                 measure,
                 of,
                 below: below.to_owned(),
+                other,
                 by: values.number("by")?,
                 confidence,
             }
@@ -284,7 +286,9 @@ fn equals(
     setting: &Setting<'_>,
 ) -> Option<Statement> {
     let values = &read.values;
-    let over = values.word("over").map(str::to_owned);
+    let other = elsewhere(reader, read, measure, setting)?;
+    let own = (!other.is_here()).then(|| of.clone());
+    let over = values.word("over").map(str::to_owned).or(own);
     match over.as_deref() {
         Some("minimum") if measure != Measure::ExactMise => {
             reader.report(
@@ -293,6 +297,16 @@ fn equals(
                     "the minimum is known for `exact-mise` only",
                 )
                 .allowed("the name of an estimator"),
+            );
+            return None;
+        }
+        Some("minimum") if !other.is_here() => {
+            reader.report(
+                Problem::at(
+                    read.place("over"),
+                    "the minimum is that of the claim's own source and sample size",
+                )
+                .help("leave out `other-source` and `other-draws`"),
             );
             return None;
         }
@@ -307,7 +321,11 @@ fn equals(
         }
         None => {}
         Some(other) => {
-            let place = read.place("over");
+            let place = read.place(if values.word("over").is_some() {
+                "over"
+            } else {
+                "of"
+            });
             if !setting.names.one(reader, other, &place) {
                 return None;
             }
@@ -325,10 +343,46 @@ fn equals(
         measure,
         of,
         over,
+        other,
         equals: expected,
         margin,
         confidence,
     })
+}
+
+/// `other-source` and `other-draws`.
+fn elsewhere(
+    reader: &mut Reader,
+    read: &Located,
+    measure: Measure,
+    setting: &Setting<'_>,
+) -> Option<Elsewhere> {
+    let other = Elsewhere {
+        source: read.values.word("other-source").map(str::to_owned),
+        draws: read.values.count("other-draws").map(|draws| draws as usize),
+    };
+    let mut sound = true;
+    if let Some(source) = &other.source {
+        sound &= setting.knows_source(reader, source, &read.place("other-source"));
+    }
+    if let Some(draws) = other.draws {
+        sound &= setting.knows_draws(reader, draws, &read.place("other-draws"));
+    }
+    if !other.is_here() && measure.is_exact() {
+        sound = false;
+        reader.report(
+            Problem::at(
+                read.place(if other.source.is_some() {
+                    "other-source"
+                } else {
+                    "other-draws"
+                }),
+                "exact values are compared on one source and sample size",
+            )
+            .help("claim something simulated, such as `mise`"),
+        );
+    }
+    sound.then_some(other)
 }
 
 /// Which form a statement about a measure has: told by the key that only this form takes.

@@ -256,7 +256,7 @@ fn pair(reader: &mut Reader, item: &Item<'_>, what: &str, expected: &str) -> Opt
 }
 
 /// The BLAKE3 hash of the file's bytes.
-fn hash(path: &Path) -> std::io::Result<String> {
+pub(super) fn hash(path: &Path) -> std::io::Result<String> {
     let data = std::fs::metadata(path)?;
     if !data.is_file() {
         // A device may never end.

@@ -200,6 +200,13 @@ fn resolve(
 ) -> Option<FigureKind> {
     let values = &located.values;
     match kind {
+        "unfolded" => {
+            let mut show = values.words("show").to_vec();
+            if !located.given("show") {
+                show = vec!["truth".to_owned(), "sample".to_owned()];
+            }
+            Some(FigureKind::Unfolded { show })
+        }
         "curves" => {
             let mut show = values.words("show").to_vec();
             if !located.given("show") {

@@ -22,6 +22,22 @@ const MARGIN: Parameter = Parameter::optional(
     "how far off is still equal, in the unit of the measure",
 );
 
+const OTHER_SOURCE: Parameter = Parameter::optional(
+    "other-source",
+    Kind::Text,
+    Absent::Unset,
+    "the source of the number that is compared with; the claim's own by default",
+);
+const OTHER_DRAWS: Parameter = Parameter::optional(
+    "other-draws",
+    Kind::Count {
+        least: 1,
+        most: super::DRAWS,
+    },
+    Absent::Unset,
+    "the sample size of the number that is compared with; the claim's own by default",
+);
+
 /// A form of statement: the key that tells it from the others, and what it takes.
 pub(crate) struct Form {
     pub(crate) key: &'static str,
@@ -41,6 +57,8 @@ pub(crate) const ANY: &[Form] = &[
                 Absent::Number(1.0),
                 "at least by this factor; below 1: at most worse by its reciprocal",
             ),
+            OTHER_SOURCE,
+            OTHER_DRAWS,
             CONFIDENCE,
         ],
     },
@@ -62,6 +80,8 @@ pub(crate) const ANY: &[Form] = &[
                 "how far off is still equal, as a share of the expected value",
             ),
             MARGIN,
+            OTHER_SOURCE,
+            OTHER_DRAWS,
             CONFIDENCE,
         ],
     },

@@ -26,6 +26,7 @@ pub(crate) mod form;
 pub(crate) mod grid;
 mod names;
 mod rate;
+pub(crate) mod scene;
 mod setting;
 mod single;
 pub(crate) mod source;

@@ -76,41 +76,47 @@ impl Setting<'_> {
     /// One of the experiment's sample sizes.
     pub(super) fn draws(&self, reader: &mut Reader, item: &Item<'_>) -> Option<usize> {
         let n = reader.count(item, "`draws`", 1, DRAWS)? as usize;
-        let Some(draws) = self.draws else {
-            return Some(n);
+        self.knows_draws(reader, n, &item.span()).then_some(n)
+    }
+
+    /// Whether `draws`, written at `span`, is one of the experiment's sample sizes.
+    pub(super) fn knows_draws(&self, reader: &mut Reader, draws: usize, span: &Span) -> bool {
+        let Some(known) = self.draws.filter(|known| !known.contains(&draws)) else {
+            return true;
         };
-        if draws.contains(&n) {
-            return Some(n);
-        }
-        let known: Vec<String> = draws.iter().map(usize::to_string).collect();
         let problem = Problem::at(
-            item.span(),
-            format!("{n} is not one of the experiment's sample sizes"),
+            span.clone(),
+            format!("{draws} is not one of the experiment's sample sizes"),
         );
+        let known: Vec<String> = known.iter().map(usize::to_string).collect();
         reader.report(if known.is_empty() {
             problem.help("a data file has a size of its own")
         } else {
             problem.allowed(known.join(", "))
         });
-        None
+        false
     }
 
     /// One of the experiment's sources.
     pub(super) fn source(&self, reader: &mut Reader, item: &Item<'_>) -> Option<String> {
         let name = reader.text(item, "`source`")?;
-        if let Some(sources) = &self.sources
-            && !sources.contains(&name)
-        {
-            reader.report(
-                Problem::at(
-                    item.span(),
-                    format!("there is no source \"{}\"", printable(name)),
-                )
-                .suggest(nearest(name, sources.iter().copied()))
-                .allowed(listed(sources)),
-            );
-            return None;
-        }
-        Some(name.to_owned())
+        self.knows_source(reader, name, &item.span())
+            .then(|| name.to_owned())
+    }
+
+    /// Whether `name`, written at `span`, is one of the experiment's sources.
+    pub(super) fn knows_source(&self, reader: &mut Reader, name: &str, span: &Span) -> bool {
+        let Some(sources) = self.sources.as_ref().filter(|known| !known.contains(&name)) else {
+            return true;
+        };
+        reader.report(
+            Problem::at(
+                span.clone(),
+                format!("there is no source \"{}\"", printable(name)),
+            )
+            .suggest(nearest(name, sources.iter().copied()))
+            .allowed(listed(sources)),
+        );
+        false
     }
 }

@@ -1,8 +1,9 @@
-//! `source`: known densities or a data file.
+//! `source`: known densities, a data file, or photons in a scene.
 
 use super::data::{Data, data};
 use super::node::{Entry, Item, Reader, found};
 use super::problem::{Problem, Span, printable};
+use super::scene;
 use super::value;
 use crate::density::{self, Truth};
 use crate::experiment::{PathSpec, SourceSpec};
@@ -78,7 +79,10 @@ pub(crate) const FILE: &[Parameter] = &[
 /// What `domain` means.
 pub(crate) const DOMAIN: &str = "where the data can lie: [low, high], infinite where there is no wall; in the plane [[low, high], [low, high]] or { vertices = [[x, y], ..] }; without walls by default";
 
-const FORMS: &str = "{ density = \"NAME\" }, { density = { KIND = { .. } } }, { density = [ .. ] } or { file = \"PATH\", columns = [\"NAME\"] }";
+/// The keys of which `source` has one.
+pub(super) const KINDS: [&str; 3] = ["density", "file", "scene"];
+
+const FORMS: &str = "{ density = \"NAME\" }, { density = { KIND = { .. } } }, { density = [ .. ] }, { file = \"PATH\", columns = [\"NAME\"] } or { scene = \"PATH\", surface = \"NAME\" }";
 
 /// Reads `source`; what is wrong has been reported when the list is shorter than the file's.
 pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> Option<Vec<Read>> {
@@ -86,7 +90,7 @@ pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> O
         let help = if density::names().any(|name| name == text) {
             format!("write source = {{ density = \"{text}\" }}")
         } else {
-            "name a density or a file".to_owned()
+            "name a density, a file or a scene".to_owned()
         };
         reader.report(
             Problem::at(entry.item.span(), "`source` must be a table, not a text")
@@ -96,32 +100,42 @@ pub(super) fn sources(reader: &mut Reader, entry: Entry<'_>, folder: &Path) -> O
         return None;
     }
     let mut table = reader.table(entry.item, "`source`")?;
-    let density = table.take("density");
-    let file = table.take("file");
-    match (density, file) {
-        (Some(entry), None) => {
-            let paths = table.take("paths");
-            let unknown = table.finish(reader, &["density", "paths"]);
-            let mut read = densities(reader, entry.item)?;
-            if let Some(paths) = paths {
-                cluster(reader, paths, &mut read)?;
+    let mut given: Vec<Entry<'_>> = KINDS.iter().filter_map(|key| table.take(key)).collect();
+    given.sort_by_key(|entry| entry.key_span().start);
+    match given[..] {
+        [entry] => match entry.key() {
+            "density" => {
+                let paths = table.take("paths");
+                let unknown = table.finish(reader, &["density", "paths"]);
+                let mut read = densities(reader, entry.item)?;
+                if let Some(paths) = paths {
+                    cluster(reader, paths, &mut read)?;
+                }
+                (!unknown).then_some(read)
             }
-            (!unknown).then_some(read)
-        }
-        (None, Some(entry)) => data(reader, entry, table, folder).map(|read| vec![read]),
-        (Some(_), Some(file)) => {
+            "file" => data(reader, entry, table, folder).map(|read| vec![read]),
+            _ => scene::scenes(reader, entry, table, folder),
+        },
+        [first, second, ..] => {
+            let (first, second_key) = (first.key(), second.key());
             reader.report(
-                Problem::at(file.key_span(), "`source` is a density already")
+                Problem::at(second.key_span(), format!("`source` is a {first} already"))
                     .allowed(FORMS)
-                    .help("one experiment for the density, one for the file"),
+                    .help(format!(
+                        "one experiment for the {first}, one for the {second_key}"
+                    )),
             );
             None
         }
-        (None, None) => {
+        [] => {
             let span = table.span.clone();
-            if !table.finish(reader, &["density", "file"]) {
+            if !table.finish(reader, &KINDS) {
                 reader.report(
-                    Problem::at(span, "`source` names neither a density nor a file").allowed(FORMS),
+                    Problem::at(
+                        span,
+                        "`source` names neither a density nor a file nor a scene",
+                    )
+                    .allowed(FORMS),
                 );
             }
             None

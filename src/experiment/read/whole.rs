@@ -26,7 +26,7 @@ pub(crate) const KEYS: &[(&str, &str)] = &[
     ("source", "where samples come from"),
     (
         "draws",
-        "the sample size n, or a list of them; for densities only",
+        "the sample size n, or a list of them: points of a density, emitted paths in a scene",
     ),
     ("replicates", "how many samples of each size; 1 by default"),
     (
@@ -99,9 +99,9 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
     let sources = source.and_then(|entry| source::sources(reader, entry, folder));
     let truth = source.and_then(|entry| {
         let table = entry.item.get_ref().as_table()?;
-        match (table.contains_key("density"), table.contains_key("file")) {
-            (true, false) => Some(true),
-            (false, true) => Some(false),
+        match source::KINDS.map(|key| table.contains_key(key)) {
+            [true, false, false] | [false, false, true] => Some(true),
+            [false, true, false] => Some(false),
             _ => None,
         }
     });
@@ -301,7 +301,7 @@ fn draws(
         reader.report(
             Problem::at(
                 entry.key_span(),
-                "a data file has a size of its own: `draws` is for densities",
+                "a data file has a size of its own: `draws` is for densities and scenes",
             )
             .help("leave `draws` out"),
         );

@@ -9,10 +9,16 @@ use crate::experiment::{
     Experiment, FigureKind, GridSpec, Limits, PathSpec, SourceSpec, catalogue,
 };
 use crate::kernel::{Shape, Symmetry};
-use crate::sample::{Clustered, Sample, Source, file};
-use crate::space::{Domain, Grid, Point, Polygon};
+use crate::light::photons::Photons;
+use crate::light::reference::Reference;
+use crate::light::scene::read;
+use crate::parameter::Values;
+use crate::sample::{Clustered, Exposed, Sample, Source, file};
+use crate::space::{Domain, Field, Grid, Point, Polygon};
 use crate::theory::{self, Optimum, Oracle};
 use crate::uncertainty::ErrorEstimate;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is fixed for one source and one sample size.
@@ -48,6 +54,8 @@ enum Opened<const D: usize> {
     Density(Arc<dyn Density<D>>),
     /// A density whose points come in paths.
     Paths(Arc<dyn Density<D>>, Arc<dyn Source<D>>),
+    /// Points whose truth is no density.
+    Exposed(Arc<dyn Exposed<D>>),
     Data(Sample<D>),
 }
 
@@ -55,7 +63,23 @@ impl<const D: usize> Opened<D> {
     fn domain(&self) -> &Domain<D> {
         match self {
             Self::Density(density) | Self::Paths(density, _) => density.domain(),
+            Self::Exposed(source) => source.domain(),
             Self::Data(sample) => sample.domain(),
+        }
+    }
+
+    fn density(&self) -> Option<&Arc<dyn Density<D>>> {
+        match self {
+            Self::Density(density) | Self::Paths(density, _) => Some(density),
+            Self::Exposed(_) | Self::Data(_) => None,
+        }
+    }
+
+    fn field(&self) -> Option<&dyn Field<D>> {
+        match self {
+            Self::Density(density) | Self::Paths(density, _) => Some(&**density),
+            Self::Exposed(source) => Some(source.field()),
+            Self::Data(_) => None,
         }
     }
 }
@@ -79,10 +103,13 @@ impl<const D: usize> Bench<D> {
     {
         let mut sources = Vec::new();
         let mut settings = Vec::new();
+        let mut rooms = Rooms::default();
         for spec in &experiment.sources {
-            let opened = open(spec)?;
+            let opened = open(spec, &mut rooms)?;
             let sizes = match &opened {
-                Opened::Density(_) | Opened::Paths(..) => experiment.draws.clone(),
+                Opened::Density(_) | Opened::Paths(..) | Opened::Exposed(_) => {
+                    experiment.draws.clone()
+                }
                 Opened::Data(sample) => vec![sample.len()],
             };
             let of_source: Result<Vec<Setting<D>>, RunError> = sizes
@@ -146,11 +173,26 @@ impl<const D: usize> Bench<D> {
         &self.settings[source]
     }
 
-    /// The density of a source, where it is known.
+    /// The density that a source's points follow, where there is one: what theory starts from.
     pub fn truth(&self, source: usize) -> Option<&Arc<dyn Density<D>>> {
+        self.sources[source].density()
+    }
+
+    /// What estimates from a source should be, where it is known: the density, or the field of a source that has none.
+    pub fn field(&self, source: usize) -> Option<&dyn Field<D>> {
+        self.sources[source].field()
+    }
+
+    /// Whether a source is a fixed data set, with a size of its own.
+    pub fn is_fixed(&self, source: usize) -> bool {
+        matches!(self.sources[source], Opened::Data(_))
+    }
+
+    /// Where a source's points lie in space, if they do: the origin of their coordinates and the directions of both axes.
+    pub fn frame(&self, source: usize) -> Option<[[f64; 3]; 3]> {
         match &self.sources[source] {
-            Opened::Density(density) | Opened::Paths(density, _) => Some(density),
-            Opened::Data(_) => None,
+            Opened::Exposed(source) => source.frame(),
+            _ => None,
         }
     }
 
@@ -197,13 +239,8 @@ impl<const D: usize> Bench<D> {
     ) -> Result<Sample<D>, RunError> {
         match &self.sources[source] {
             Opened::Data(sample) => Ok(sample.clone()),
-            Opened::Paths(_, paths) => {
-                let draws = self.settings[source][size].draws;
-                let mut random = sampling_stream(self.experiment.seed, replicate);
-                paths
-                    .sample(draws, &mut random)
-                    .map_err(|error| RunError::Input(error.to_string()))
-            }
+            Opened::Paths(_, paths) => self.drawn(&**paths, (source, size), replicate),
+            Opened::Exposed(exposed) => self.drawn(&**exposed, (source, size), replicate),
             Opened::Density(density) => {
                 let draws = self.settings[source][size].draws;
                 let name = self.experiment.sources[source].name();
@@ -213,6 +250,20 @@ impl<const D: usize> Bench<D> {
                     .map_err(|error| RunError::Input(format!("a sample from \"{name}\": {error}")))
             }
         }
+    }
+
+    fn drawn<S: Source<D> + ?Sized>(
+        &self,
+        from: &S,
+        (source, size): (usize, usize),
+        replicate: usize,
+    ) -> Result<Sample<D>, RunError> {
+        let draws = self.settings[source][size].draws;
+        let mut random = sampling_stream(self.experiment.seed, replicate);
+        from.sample(draws, &mut random).map_err(|error| {
+            let name = self.experiment.sources[source].name();
+            RunError::Input(format!("a sample from \"{name}\": {error}"))
+        })
     }
 
     /// Every cell, in order.
@@ -245,7 +296,32 @@ impl<const D: usize> Bench<D> {
     }
 }
 
-fn open<const D: usize>(spec: &SourceSpec) -> Result<Opened<D>, RunError>
+/// The truth about each scene that sources share.
+type Rooms = BTreeMap<PathBuf, Arc<Reference>>;
+
+/// Photon hits on a surface.
+fn photons(
+    path: &Path,
+    surface: &str,
+    values: &Values,
+    rooms: &mut Rooms,
+) -> Result<Photons, RunError> {
+    let reference = if let Some(known) = rooms.get(path) {
+        known.clone()
+    } else {
+        let scene = read::scene(path).map_err(|problems| RunError::Input(problems.to_string()))?;
+        let reference = Arc::new(Reference::new(Arc::new(scene)));
+        rooms.insert(path.to_owned(), reference.clone());
+        reference
+    };
+    let told = |what: &str| RunError::Input(format!("{}: {what}", path.display()));
+    let Some((position, _)) = reference.scene().surface(surface) else {
+        return Err(told(&format!("there is no surface \"{surface}\"")));
+    };
+    Photons::new(reference, position, values).map_err(|error| told(&error.to_string()))
+}
+
+fn open<const D: usize>(spec: &SourceSpec, rooms: &mut Rooms) -> Result<Opened<D>, RunError>
 where
     Entry: Builds<D>,
 {
@@ -265,6 +341,18 @@ where
                 RunError::Input(format!("the density {kind} does not have {D} dimensions"))
             })?;
             Ok(Opened::Density(density))
+        }
+        SourceSpec::Scene {
+            path,
+            surface,
+            values,
+            ..
+        } => {
+            let photons = Arc::new(photons(path, surface, values, rooms)?);
+            let place = || RunError::Input("hits on a surface have two coordinates".to_owned());
+            Entry::exposed(photons)
+                .map(Opened::Exposed)
+                .ok_or_else(place)
         }
         SourceSpec::File {
             path,
@@ -316,15 +404,9 @@ where
         None => default_grid(source),
     }
     .map_err(|error| RunError::Input(error.to_string()))?;
-    let density = match source {
-        Opened::Density(density) | Opened::Paths(density, _) => Some(density.clone()),
-        Opened::Data(_) => None,
-    };
-    let truth = density
-        .as_ref()
-        .map(|density| density.on(&grid).into_values());
+    let truth = source.field().map(|truth| truth.on(&grid).into_values());
     let context = Context {
-        truth: density,
+        truth: source.density().cloned(),
         draws,
     };
     let estimators: Result<_, _> = experiment
@@ -355,13 +437,18 @@ where
 /// Cells over all but 10⁻⁴ of the mass at each end, widened by a fifth of that on both sides so that what an estimator lays beyond shows; a
 /// polygon's own box, beyond which nothing counts.
 fn default_grid<const D: usize>(source: &Opened<D>) -> Result<Grid<D>, crate::space::GridError> {
-    let cells = [GridSpec::default_cells(D); D];
     let domain = source.domain();
-    if domain.outline().is_some() {
+    let most = GridSpec::default_cells(D);
+    let cells = match source {
+        Opened::Exposed(source) => [source.resolution().min(most); D],
+        _ => [most; D],
+    };
+    if domain.outline().is_some() || matches!(source, Opened::Exposed(_)) {
         return Grid::new(domain.low(), domain.high(), cells);
     }
     let (mut low, mut high) = match source {
         Opened::Density(density) | Opened::Paths(density, _) => density.bulk(1e-4),
+        Opened::Exposed(_) => (domain.low(), domain.high()),
         Opened::Data(sample) => extent(sample),
     };
     for axis in 0..D {

@@ -69,7 +69,7 @@ impl Fine {
             Ok(First {
                 grid,
                 truth: bench
-                    .truth(group.source)
+                    .field(group.source)
                     .map(|density| density.on(&grid).into_values()),
                 estimates: evaluate(bench, group, &grid)?,
                 coarse: evaluate(bench, group, &group.grid)?,

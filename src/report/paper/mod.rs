@@ -12,9 +12,11 @@ mod local;
 mod page;
 mod pictures;
 mod plane;
+mod room;
 mod sweep;
 mod tables;
 mod uncertain;
+mod unfold;
 
 pub use fine::Fine;
 

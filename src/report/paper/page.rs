@@ -66,6 +66,10 @@ fn facts<const D: usize>(material: &Material<'_, D>) -> Vec<(String, String)> {
     let mut facts: Vec<(&str, String)> = Vec::new();
     let sources = experiment.sources.iter().map(|source| match source {
         SourceSpec::Density { name, .. } => format!("density {name}"),
+        SourceSpec::Scene { path, surface, .. } => {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            format!("photon hits on {surface} of {file}")
+        }
         SourceSpec::File {
             path,
             columns,

@@ -96,7 +96,7 @@ pub(super) fn shows<const D: usize>(
     material: &Material<'_, D>,
 ) -> bool {
     figure.draws.map_or(group.size == 0, |draws| {
-        draws == group.draws || material.bench.truth(group.source).is_none()
+        draws == group.draws || material.bench.is_fixed(group.source)
     })
 }
 
@@ -157,6 +157,7 @@ pub(super) fn axis_of<const D: usize>(
 ) -> Axis {
     let label = match &material.bench.experiment().sources[group.source] {
         SourceSpec::Density { .. } => ["x", "y"][axis.min(1)].to_owned(),
+        SourceSpec::Scene { .. } => ["u", "v"][axis.min(1)].to_owned(),
         SourceSpec::File { columns, .. } => columns[axis].clone(),
     };
     Axis::new(label, "")
@@ -314,8 +315,8 @@ fn mode_counts<const D: usize>(
         description: figure.caption.clone(),
         truth: material
             .bench
-            .truth(group.source)
-            .map(|density| mode_count(&density.on(&group.grid), RIPPLE)),
+            .field(group.source)
+            .map(|truth| mode_count(&truth.on(&group.grid), RIPPLE)),
         rows: rows.collect(),
     }
     .draw()

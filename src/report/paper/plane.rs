@@ -1,6 +1,7 @@
 //! The drawings of experiments in the plane: maps and cross-sections.
 
 use super::pictures::{axis_of, chosen, common, picture, shows};
+use super::room::unfolded;
 use super::{Draws, Illustrations, Material, Paper};
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::run::RunError;
@@ -35,6 +36,15 @@ impl Draws<2> for Paper {
                 .filter(|(_, group)| shows(figure, group, material))
                 .collect();
             let several = shown.len() > 1;
+            if let FigureKind::Unfolded { show } = &figure.kind {
+                let faces: Vec<(&Group<2>, &[Vec<f64>])> = shown
+                    .iter()
+                    .map(|&(index, group)| (group, &first[index][..]))
+                    .collect();
+                let drawn = unfolded(material, figure, &faces, show)?;
+                pictures.extend(drawn.map(|svg| picture::<2>(figure, None, svg)));
+                continue;
+            }
             for (index, group) in shown {
                 let of = several.then_some(group);
                 match &figure.kind {
@@ -204,7 +214,7 @@ fn section(
     let places: Vec<Point<2>> = shares.iter().map(|t| along(*t)).collect();
     let x: Vec<f64> = shares.iter().map(|t| t * length).collect();
     let estimates = of_first_sample(material, group, Targets::Points(&places))?;
-    let truth = material.bench.truth(group.source).map(|truth| Series {
+    let truth = material.bench.field(group.source).map(|truth| Series {
         name: "truth".to_owned(),
         x: x.clone(),
         y: places.iter().map(|place| truth.at(*place)).collect(),

@@ -176,6 +176,20 @@ pub(crate) const FORMS: &[Form] = &[
         title: "Maps",
     },
     Form {
+        name: "unfolded",
+        summary: "hits on flat surfaces of a scene, unfolded into one map: the first sample as dots, the truth, the estimate of each estimator",
+        parameters: &[Parameter::optional(
+            "show",
+            Kind::Choices(&["points", "truth", "sample"]),
+            Absent::Unset,
+            "what is drawn: the points of the first sample, the truth, the estimates from the first sample; by default truth and sample",
+        )],
+        truth: false,
+        replicates: false,
+        only: Some(2),
+        title: "Unfolded",
+    },
+    Form {
         name: "section",
         summary: "estimates of the first sample and the truth along a straight line through the plane",
         parameters: &[

@@ -1,0 +1,139 @@
+//! What a camera sees.
+
+use super::{Irradiance, Spot};
+use crate::light::camera::Film;
+use crate::light::image::Image;
+use crate::light::scene::Scene;
+use crate::light::vector::Ray;
+use crate::random;
+use rayon::prelude::*;
+
+/// Where one ray of the camera ended, and what it passed on the way.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    /// Radiosity of lamps on the way.
+    shine: [f64; 3],
+    /// The diffuse surface at the end, and the factor from its irradiance to what the camera sees.
+    end: Option<(Spot, [f64; 3])>,
+}
+
+/// All rays of a picture, followed once; any [`Irradiance`] can light them.
+pub struct Shot {
+    width: usize,
+    height: usize,
+    /// Rays for each pixel.
+    rays: usize,
+    sights: Vec<Sight>,
+}
+
+/// Mirrors and clear surfaces that a ray of the camera passes at most.
+const BOUNCES: usize = 32;
+
+impl Shot {
+    /// Follows `across`² rays for each pixel through mirrors and clear surfaces, where a surface that reflects and refracts draws one of the two.
+    pub fn take(scene: &Scene, film: &Film, across: usize, seed: u64) -> Self {
+        let across = across.max(1);
+        let (width, height) = (film.width(), film.height());
+        let sights = (0..width * height)
+            .into_par_iter()
+            .flat_map_iter(|pixel| {
+                let mut random = random::stream(seed, "camera", pixel as u64);
+                let (column, row) = (pixel % width, pixel / width);
+                let rays = (0..across * across).map(move |i| {
+                    let part = |i: usize| (i as f64 + 0.5) / across as f64;
+                    let x = column as f64 + part(i % across);
+                    let y = row as f64 + part(i / across);
+                    follow(scene, film.ray(x, y), &mut random)
+                });
+                rays.collect::<Vec<_>>()
+            })
+            .collect();
+        Self {
+            width,
+            height,
+            rays: across * across,
+            sights,
+        }
+    }
+
+    /// How many places want light.
+    pub fn spots(&self) -> usize {
+        self.sights
+            .iter()
+            .filter(|sight| sight.end.is_some())
+            .count()
+    }
+
+    /// The picture in this light: the radiosity (π times the radiance) that each pixel sees.
+    pub fn lit_by(&self, light: &dyn Irradiance) -> Image {
+        let ends = self.sights.iter().filter_map(|sight| sight.end);
+        let spots: Vec<Spot> = ends.map(|(spot, _)| spot).collect();
+        let mut irradiance = light.at(&spots).into_iter();
+        let pixels = self.sights.chunks_exact(self.rays).map(|rays| {
+            let mut sum = [0.0; 3];
+            for sight in rays {
+                for c in 0..3 {
+                    sum[c] += sight.shine[c];
+                }
+                if let Some((_, factor)) = sight.end
+                    && let Some(irradiance) = irradiance.next()
+                {
+                    for c in 0..3 {
+                        sum[c] += factor[c] * irradiance[c];
+                    }
+                }
+            }
+            sum.map(|value| (value / self.rays as f64) as f32)
+        });
+        Image::new(self.width, self.height, pixels.collect())
+    }
+}
+
+fn follow(scene: &Scene, mut ray: Ray, random: &mut random::Stream) -> Sight {
+    let mut sight = Sight {
+        shine: [0.0; 3],
+        end: None,
+    };
+    let mut carried = [1.0; 3];
+    for _ in 0..BOUNCES {
+        let Some(hit) = scene.seen(&ray) else {
+            return sight;
+        };
+        let surface = &scene.surfaces()[hit.surface];
+        if let Some(emission) = surface.emission.as_ref().filter(|_| hit.front) {
+            for (c, m) in emission.exitance().into_iter().enumerate() {
+                sight.shine[c] += carried[c] * m;
+            }
+        }
+        let reflectance = surface.material.reflectance().rgb();
+        for c in 0..3 {
+            carried[c] *= reflectance[c];
+        }
+        if surface.material.is_diffuse() {
+            let spot = Spot {
+                surface: hit.surface,
+                primitive: hit.primitive,
+                place: hit.place,
+                normal: hit.normal,
+                chart: [hit.u, hit.v],
+            };
+            sight.end = Some((spot, carried));
+            return sight;
+        }
+        let scattered = surface
+            .material
+            .scatter(ray.direction, hit.normal, hit.front, random);
+        for c in &mut carried {
+            *c *= scattered.factor;
+        }
+        if carried.iter().all(|&c| c <= 0.0) {
+            return sight;
+        }
+        ray = Ray {
+            origin: hit.place,
+            direction: scattered.direction,
+            leaving: Some(hit.primitive),
+        };
+    }
+    sight
+}
