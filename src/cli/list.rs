@@ -47,6 +47,8 @@ enum Family {
     Engines,
     /// Files in the folder `experiments`
     Experiments,
+    /// Files in the folder `data/scenes`
+    Scenes,
 }
 
 /// One thing that has a name.
@@ -182,7 +184,18 @@ fn rows(family: Family, notes: Notes) -> Result<Vec<Row>, Stop> {
             .map(|(name, summary)| Row::new(name, summary))
             .collect(),
         Family::Engines => engines(),
-        Family::Experiments => experiments(Path::new("experiments"), notes)?,
+        Family::Experiments => files(
+            Path::new("experiments"),
+            "question",
+            "(not a legal experiment: see lab check)",
+            notes,
+        )?,
+        Family::Scenes => files(
+            Path::new("data/scenes"),
+            "title",
+            "(without a title)",
+            notes,
+        )?,
     })
 }
 
@@ -263,8 +276,8 @@ fn engines() -> Vec<Row> {
     ]
 }
 
-/// The experiments in `folder` with their questions.
-fn experiments(folder: &Path, notes: Notes) -> Result<Vec<Row>, Stop> {
+/// The TOML files in `folder` with the text of `key`, or `otherwise`.
+fn files(folder: &Path, key: &str, otherwise: &str, notes: Notes) -> Result<Vec<Row>, Stop> {
     if !folder.is_dir() {
         notes.say(&format!("there is no folder `{}` here", folder.display()));
         return Ok(Vec::new());
@@ -277,11 +290,11 @@ fn experiments(folder: &Path, notes: Notes) -> Result<Vec<Row>, Stop> {
             continue;
         }
         let text = std::fs::read_to_string(&path).map_err(|e| Stop::reading(&path, &e))?;
-        let question = toml::from_str::<toml::Table>(&text)
+        let summary = toml::from_str::<toml::Table>(&text)
             .ok()
-            .and_then(|table| Some(table.get("question")?.as_str()?.to_owned()))
-            .unwrap_or_else(|| "(not a legal experiment: see lab check)".to_owned());
-        rows.push(Row::new(path.display().to_string(), question));
+            .and_then(|table| Some(table.get(key)?.as_str()?.to_owned()))
+            .unwrap_or_else(|| otherwise.to_owned());
+        rows.push(Row::new(path.display().to_string(), summary));
     }
     rows.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(rows)

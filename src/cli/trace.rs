@@ -95,7 +95,10 @@ impl Trace {
         let aside = self.aside()?;
         let spool = Spool::open(&aside.path(), &self.identity(&scene, power, format))?;
         let ledger = work.fill(&spool, notes)?;
-        check(&ledger, &scene)?;
+        if let Err(fault) = check(&ledger, &scene) {
+            spool.remove()?;
+            return Err(fault);
+        }
         output.write_all(&format.head(scene.colour, ledger.hits))?;
         for number in 0..work.pieces {
             let piece = spool.load(number).ok_or_else(|| {

@@ -14,6 +14,7 @@ mod select;
 mod selection;
 #[path = "../support/mod.rs"]
 mod support;
+mod trace;
 
 const KERNEL: &str = "kernel = { bandwidth = 0.3 }";
 

@@ -1,0 +1,153 @@
+//! `lab trace`
+
+use crate::support::Bench;
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+const HEADER: &str = "surface,u,v,x,y,z,flux_r,flux_g,flux_b,bounce";
+
+fn scene(name: &str) -> String {
+    format!("{}/data/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn hits_carry_the_light_of_the_lamp() {
+    let bench = Bench::new();
+    let cube = scene("floor-cube.toml");
+    let outcome = bench
+        .run(&["trace", &cube, "--photons", "2000"])
+        .succeeds()
+        .prints(HEADER)
+        .says("2000 photons, 2000 hits");
+    let mut flux = 0.0;
+    for line in outcome.stdout.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), 10, "{line}");
+        assert_eq!(cells[9], "1", "walls are black: {line}");
+        let number = |k: usize| cells[k].parse::<f64>().unwrap();
+        assert!((number(7) - number(6)).abs() < 1e-12);
+        let place = [number(3), number(4), number(5)];
+        assert!(place.iter().all(|x| (0.0..=1.0).contains(x)), "{line}");
+        flux += number(6);
+    }
+    // radiance 1 over an area of 1: π watts in each channel
+    assert!((flux - std::f64::consts::PI).abs() < 1e-5, "{flux}");
+}
+
+#[test]
+fn threads_and_formats_change_nothing() {
+    let bench = Bench::new();
+    let room = scene("cornell-box-rgb.toml");
+    for (threads, name) in [("1", "one.npy"), ("2", "two.npy"), ("7", "seven.npy")] {
+        bench
+            .run(&[
+                "trace",
+                &room,
+                "--photons",
+                "7e4",
+                "--threads",
+                threads,
+                "-o",
+                name,
+            ])
+            .succeeds()
+            .prints_nothing();
+    }
+    let bytes = |name: &str| fs::read(bench.path(name)).unwrap();
+    assert!(bytes("one.npy") == bytes("two.npy") && bytes("one.npy") == bytes("seven.npy"));
+    bench
+        .run(&["trace", &room, "--photons", "7e4", "-o", "hits.csv"])
+        .succeeds();
+    // rows of 56 bytes after a head of at most 512
+    let rows = bench.text("hits.csv").lines().count() - 1;
+    let head = bytes("one.npy").len() - 56 * rows;
+    assert!(head <= 512 && head % 64 == 0, "{head}");
+    // pieces are gone when the trace is there
+    assert_eq!(
+        bench.listing(),
+        ["hits.csv", "one.npy", "seven.npy", "two.npy"]
+    );
+}
+
+#[test]
+fn a_killed_trace_goes_on_where_it_was() {
+    let bench = Bench::new();
+    let room = scene("cornell-box.toml");
+    let arguments = [
+        "trace",
+        &room,
+        "--photons",
+        "4e5",
+        "--threads",
+        "1",
+        "-o",
+        "hits.npy",
+    ];
+    let mut child = bench
+        .command(&arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let pieces = bench.path(".hits.npy.trace");
+    let first = pieces.join("piece-0000000");
+    let start = Instant::now();
+    while !first.exists() && start.elapsed() < Duration::from_secs(120) {
+        sleep(Duration::from_millis(2));
+    }
+    let finished = child.try_wait().unwrap().is_some();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!finished, "the trace was too short to be killed");
+    assert!(!bench.path("hits.npy").exists());
+    let kept = fs::metadata(&first).unwrap().modified().unwrap();
+    let again = bench.command(&arguments).stderr(Stdio::null()).spawn();
+    // what was there is not traced again: the first piece keeps its time until all are put together
+    let mut again = again.unwrap();
+    while again.try_wait().unwrap().is_none() {
+        if let Ok(about) = fs::metadata(&first) {
+            assert_eq!(about.modified().unwrap(), kept);
+        }
+        sleep(Duration::from_millis(5));
+    }
+    let resumed = fs::read(bench.path("hits.npy")).unwrap();
+    let whole = Bench::new();
+    whole.run(&arguments).succeeds();
+    assert!(resumed == fs::read(whole.path("hits.npy")).unwrap());
+}
+
+#[test]
+fn what_cannot_be_traced_is_said() {
+    let bench = Bench::new().with("bad.toml", "[[surface]]\nname = 3\n");
+    bench
+        .run(&["trace", "bad.toml", "--photons", "10"])
+        .ends_with(2)
+        .says("bad.toml:2:8")
+        .prints_nothing();
+    bench
+        .run(&["trace", "nowhere.toml", "--photons", "10"])
+        .ends_with(3)
+        .says("cannot read the scene");
+    let room = scene("furnace.toml");
+    bench.run(&["trace", &room, "--photons", "0"]).ends_with(2);
+    bench
+        .run(&["trace", &room, "--photons", "5e9"])
+        .ends_with(2)
+        .says("allowed are 1 to 4000000000");
+    bench
+        .run(&["trace", &room, "--photons", "10", "-o", "nowhere/hits.csv"])
+        .ends_with(3);
+    let gap = fs::read_to_string(&room).unwrap().replacen(
+        "u = [1.0, 0.0, 0.0]",
+        "u = [0.5, 0.0, 0.0]",
+        1,
+    );
+    let bench = bench.with("gap.toml", gap);
+    bench
+        .run(&["trace", "gap.toml", "--photons", "1e5", "-o", "hits.csv"])
+        .ends_with(2)
+        .says("light leaks");
+    assert_eq!(bench.listing(), ["bad.toml", "gap.toml"]);
+}
