@@ -63,7 +63,7 @@ fn threads_and_formats_change_nothing() {
     // rows of 56 bytes after a head of at most 512
     let rows = bench.text("hits.csv").lines().count() - 1;
     let head = bytes("one.npy").len() - 56 * rows;
-    assert!(head <= 512 && head % 64 == 0, "{head}");
+    assert!(head <= 512 && head.is_multiple_of(64), "{head}");
     // pieces are gone when the trace is there
     assert_eq!(
         bench.listing(),
