@@ -14,16 +14,30 @@ pub type Stream = ChaCha8Rng;
 /// The name of the generator, for manifests.
 pub const GENERATOR: &str = "ChaCha8, key = BLAKE3(seed, purpose), stream = number";
 
-/// The stream for `purpose` with a `number` (replicate, block of photons) under an experiment's `seed`.
-///
-/// Different purposes have unrelated keys; different numbers are disjoint streams of one key.
+/// The streams for one purpose under one seed, when many are wanted: naming them costs more than making them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Streams([u8; 32]);
+
+impl Streams {
+    /// Those for `purpose` under an experiment's `seed`. Different purposes have unrelated keys.
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&seed.to_le_bytes());
+        hasher.update(purpose.as_bytes());
+        Self(*hasher.finalize().as_bytes())
+    }
+
+    /// The one with a `number` (replicate, block of photons, place). Different numbers are disjoint streams of one key.
+    pub fn number(&self, number: u64) -> Stream {
+        let mut stream = ChaCha8Rng::from_seed(self.0);
+        stream.set_stream(number);
+        stream
+    }
+}
+
+/// The stream for `purpose` with a `number` under an experiment's `seed`; see [`Streams`].
 pub fn stream(seed: u64, purpose: &str, number: u64) -> Stream {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&seed.to_le_bytes());
-    hasher.update(purpose.as_bytes());
-    let mut stream = ChaCha8Rng::from_seed(*hasher.finalize().as_bytes());
-    stream.set_stream(number);
-    stream
+    Streams::new(seed, purpose).number(number)
 }
 
 /// A number strictly between 0 and 1, from one 64-bit word: what inverse distribution functions want.

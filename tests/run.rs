@@ -41,6 +41,7 @@ fn experiment() -> Experiment {
         draws: vec![50, 80],
         replicates: 64,
         stop: None,
+        regions: Vec::new(),
         grid: Some(GridSpec {
             low: vec![-4.0],
             high: vec![4.0],
@@ -358,6 +359,7 @@ fn claims_reach_over_sizes_and_sources() {
         says: says.to_owned(),
         draws: Some(50),
         source: Some("bimodal".to_owned()),
+        region: None,
         statement,
         line: 1,
     };

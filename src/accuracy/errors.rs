@@ -16,15 +16,32 @@ pub struct Errors {
     pub iae: f64,
     /// ∫((f̂ - f)/f)² over the set where f ≥ [`RELATIVE_FLOOR`] × its peak.
     pub ire: f64,
+    /// The mean of f̂ - f over the cells.
+    #[serde(default)]
+    pub bias: f64,
 }
 
 impl Errors {
     /// The errors of `estimate` against `truth`, values on the cells of one grid of cell measure `cell`.
     pub fn between(estimate: &[f64], truth: &[f64], cell: f64) -> Self {
+        Self::over(0..truth.len(), estimate, truth, cell)
+    }
+
+    /// The errors over some of the cells; where the truth is small is told by all of them.
+    pub fn over(
+        cells: impl Iterator<Item = usize>,
+        estimate: &[f64],
+        truth: &[f64],
+        cell: f64,
+    ) -> Self {
         let floor = RELATIVE_FLOOR * truth.iter().copied().fold(0.0, f64::max);
         let (mut ise, mut iae, mut ire) = (Sum::default(), Sum::default(), Sum::default());
-        for (&estimate, &truth) in estimate.iter().zip(truth) {
+        let (mut signed, mut many) = (Sum::default(), 0.0);
+        for i in cells {
+            let (estimate, truth) = (estimate[i], truth[i]);
             let error = estimate - truth;
+            signed.add(error);
+            many += 1.0;
             ise.add(error * error);
             iae.add(error.abs());
             if truth >= floor && truth > 0.0 {
@@ -35,6 +52,11 @@ impl Errors {
             ise: ise.value() * cell,
             iae: iae.value() * cell,
             ire: ire.value() * cell,
+            bias: if many > 0.0 {
+                signed.value() / many
+            } else {
+                0.0
+            },
         }
     }
 }
@@ -52,6 +74,9 @@ mod tests {
         assert!((errors.ise - 0.25).abs() < 1e-14);
         assert!((errors.iae - 0.5).abs() < 1e-14);
         assert!((errors.ire - 0.0625).abs() < 1e-14);
+        assert!((errors.bias - 0.5).abs() < 1e-14);
+        let some = Errors::over(10..30, &estimate, &truth, 0.01);
+        assert!((some.ise - 0.05).abs() < 1e-14 && (some.bias - 0.5).abs() < 1e-14);
     }
 
     #[test]

@@ -69,6 +69,20 @@ impl Tally {
         self.count += other.count;
     }
 
+    /// The same at some of the targets, and no error at the others.
+    pub fn within(&self, inside: &[bool]) -> Self {
+        let keep = |values: &[f64]| -> Vec<f64> {
+            let kept = values.iter().zip(inside);
+            kept.map(|(&v, &inside)| if inside { v } else { 0.0 })
+                .collect()
+        };
+        Self {
+            count: self.count,
+            mean: keep(&self.mean),
+            squares: keep(&self.squares),
+        }
+    }
+
     /// How many estimates.
     pub fn count(&self) -> u64 {
         self.count

@@ -15,6 +15,8 @@ pub enum Measure {
     Miae,
     /// Mean of ∫((f̂ - f)/f)² where f is at least 1 % of its peak.
     Mire,
+    /// Mean of f̂ - f over the cells, with its sign.
+    Bias,
     /// ∫(E f̂ - f)², from replicates, corrected for the variance of the mean.
     Bias2,
     /// ∫ var f̂, from replicates.
@@ -39,10 +41,11 @@ pub enum Measure {
 
 impl Measure {
     /// All measures.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Mise,
         Self::Miae,
         Self::Mire,
+        Self::Bias,
         Self::Bias2,
         Self::Variance,
         Self::Energy,
@@ -61,6 +64,7 @@ impl Measure {
             Self::Mise => "mise",
             Self::Miae => "miae",
             Self::Mire => "mire",
+            Self::Bias => "bias",
             Self::Bias2 => "bias2",
             Self::Variance => "variance",
             Self::Energy => "energy",
@@ -100,6 +104,9 @@ pub struct Claim {
     pub draws: Option<usize>,
     /// Which source it is about; `None`: each of the experiment's sources.
     pub source: Option<String>,
+    /// Which region it is about; `None`: the whole grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<String>,
     /// What must hold.
     pub statement: Statement,
     /// The line of the file, for messages.

@@ -13,6 +13,9 @@ pub struct Figure {
     pub estimators: Vec<String>,
     /// The sample size shown; the first if `None`.
     pub draws: Option<usize>,
+    /// The region that errors are of; the whole grid if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<String>,
     /// What it is.
     pub kind: FigureKind,
 }
@@ -47,7 +50,8 @@ pub enum FigureKind {
     Densities {},
     /// Maps of the plane.
     Maps {
-        /// Any of `truth`, `sample` (the estimates of the first sample), `mean` (over replicates) and `error` (the mean less the truth).
+        /// Any of `truth`, `sample` (the estimates of the first sample), `mean` (over replicates), `error` (the mean less the truth) and `size` (how far around each
+        /// place the first sample was averaged).
         show: Vec<String>,
         /// Level lines at round values.
         levels: bool,
@@ -68,6 +72,13 @@ pub enum FigureKind {
         from: [f64; 2],
         /// Where it ends.
         to: [f64; 2],
+        /// Any of `truth`, `sample` (the estimates of the first sample), `mean` and `band` (mean and ± one standard deviation over replicates, from the cells that
+        /// the line passes through); or of `error` (root mean squared, over replicates) and `expected-error` (what the estimator expects on the first sample); or `size`.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        show: Vec<String>,
+        /// One small panel an estimator instead of all in one.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        panels: bool,
     },
     /// True and estimated errors along a line, one panel an estimator.
     Uncertainty {

@@ -17,6 +17,7 @@ mod ladder;
 pub mod manifest;
 pub mod program;
 pub mod read;
+pub mod region;
 pub mod results;
 pub mod run;
 pub mod schema;
@@ -33,6 +34,7 @@ pub use summary::summary;
 use crate::density;
 use crate::parameter::Values;
 use crate::space::{Domain, Grid, GridError, Polygon, Side};
+use region::RegionSpec;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -61,6 +63,9 @@ pub struct Experiment {
     /// The confidence of an interval about each estimate at each target, if their coverage is to be counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
+    /// The parts of the grid that errors are told apart by, names distinct.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<RegionSpec>,
     /// The estimators, sweeps expanded, names distinct.
     pub estimators: Vec<EstimatorSpec>,
     /// What one sample says of its own error, held against the truth.

@@ -38,6 +38,8 @@ pub struct Group<const D: usize = 1> {
     pub grid: Grid<D>,
     /// Which cells lie in the polygon that bounds the domain, where there is one.
     pub mask: Option<Vec<bool>>,
+    /// The cells of each region, by name.
+    pub regions: Vec<(String, Vec<u32>)>,
     /// The truth there, where it is known.
     pub truth: Option<Vec<f64>>,
     /// One entry for each estimator, in the experiment's order.
@@ -84,6 +86,58 @@ impl<const D: usize> Group<D> {
     }
 }
 
+impl<const D: usize> Group<D> {
+    /// The results over one of the regions alone: truth and errors are nothing elsewhere. Names of regions have been checked.
+    pub fn within(&self, region: &str) -> Option<Self> {
+        let number = self.regions.iter().position(|(name, _)| name == region)?;
+        let mut inside = vec![false; self.grid.len()];
+        for &cell in &self.regions[number].1 {
+            inside[cell as usize] = true;
+        }
+        let keep = |values: &Vec<f64>| -> Vec<f64> {
+            let kept = values.iter().zip(&inside);
+            kept.map(|(&v, &inside)| if inside { v } else { 0.0 })
+                .collect()
+        };
+        let mut part = Self {
+            source: self.source,
+            size: self.size,
+            name: self.name.clone(),
+            draws: self.draws,
+            grid: self.grid,
+            mask: Some(inside.clone()),
+            regions: Vec::new(),
+            truth: self.truth.as_ref().map(keep),
+            outcomes: Vec::new(),
+        };
+        for outcome in &self.outcomes {
+            let replicates = outcome.replicates.iter().map(|replicate| Replicate {
+                errors: replicate.regions[number].errors,
+                integral: replicate.regions[number].integral,
+                modes: replicate.modes,
+                smoothing: replicate.smoothing,
+                regions: Vec::new(),
+            });
+            let mut one = Outcome {
+                name: outcome.name.clone(),
+                replicates: replicates.collect(),
+                tally: outcome.tally.within(&inside),
+                blocks: outcome.blocks.iter().map(|b| b.within(&inside)).collect(),
+                measures: BTreeMap::new(),
+                expected: outcome.expected.as_ref().map(keep),
+                spread: outcome.spread.as_ref().map(keep),
+                ladder: Ladder::default(),
+                coverage: None,
+                said: Vec::new(),
+                engine: outcome.engine.clone(),
+            };
+            one.measure(&part);
+            part.outcomes.push(one);
+        }
+        Some(part)
+    }
+}
+
 impl Outcome {
     /// How often an interval of that half length, in deviations, would hold the truth at target `i` if the estimate were normal with its exact mean and
     /// variance; `None` where they are not known, or the estimate does not vary.
@@ -98,6 +152,32 @@ impl Outcome {
         bias.is_finite().then(|| coverage_with_bias(reach, bias))
     }
 
+    /// Fills in the measures, from replicates and from what theory expects.
+    fn measure<const D: usize>(&mut self, group: &Group<D>) {
+        for measure in Measure::ALL {
+            if let Some(interval) = self.interval(measure, CONFIDENCE, group) {
+                self.measures.insert(measure, interval);
+            }
+        }
+        let (Some(expected), Some(spread), Some(truth)) =
+            (&self.expected, &self.spread, &group.truth)
+        else {
+            return;
+        };
+        let cell = group.grid.cell_measure();
+        let squares = expected.iter().zip(truth).map(|(e, f)| (e - f).powi(2));
+        let bias2 = squares.collect::<Sum>().value() * cell;
+        let squares = spread.iter().map(|s| s * s);
+        let variance = squares.collect::<Sum>().value() * cell;
+        for (measure, value) in [
+            (Measure::ExactBias2, bias2),
+            (Measure::ExactVariance, variance),
+            (Measure::ExactMise, bias2 + variance),
+        ] {
+            self.measures.insert(measure, Interval::exact(value));
+        }
+    }
+
     /// The value of a simulated measure on each replicate; `None` for measures that are not means of such values, or where the truth is
     /// not known.
     pub fn per_replicate(&self, measure: Measure, truth_integral: f64) -> Option<Vec<f64>> {
@@ -105,6 +185,7 @@ impl Outcome {
             Measure::Mise => r.errors.map(|e| e.ise),
             Measure::Miae => r.errors.map(|e| e.iae),
             Measure::Mire => r.errors.map(|e| e.ire),
+            Measure::Bias => r.errors.map(|e| e.bias),
             Measure::Energy => Some(r.integral / truth_integral),
             Measure::Modes => Some(r.modes as f64),
             Measure::Smoothing => r.smoothing,
@@ -184,10 +265,11 @@ impl<const D: usize> Results<D> {
                     draws: setting.draws,
                     grid: setting.grid,
                     mask: setting.mask.clone(),
+                    regions: setting.regions.clone(),
                     truth: setting.truth.clone(),
                     outcomes: Vec::new(),
                 };
-                let exact: Vec<Option<Exact>> = (0..experiment.estimators.len())
+                let exact: Vec<Option<Vec<Moments>>> = (0..experiment.estimators.len())
                     .into_par_iter()
                     .map(|e| exact(bench, source, size, e))
                     .collect();
@@ -208,22 +290,14 @@ impl<const D: usize> Results<D> {
     }
 }
 
-struct Exact {
-    bias2: f64,
-    variance: f64,
-    expected: Vec<f64>,
-    spread: Vec<f64>,
-}
-
-/// Exact moments by theory at the targets, integrated over the grid as the simulated errors are.
+/// Exact moments by theory at the targets; nothing outside the polygon that bounds the domain.
 fn exact<const D: usize>(
     bench: &Bench<D>,
     source: usize,
     size: usize,
     estimator: usize,
-) -> Option<Exact> {
+) -> Option<Vec<Moments>> {
     let setting = bench.setting(source, size);
-    let truth = setting.truth.as_ref()?;
     let density = bench.independent(source)?;
     let places: Vec<Point<D>> = setting.grid.centres().collect();
     let mut moments =
@@ -238,26 +312,14 @@ fn exact<const D: usize>(
             .filter(|(_, inside)| !**inside)
             .for_each(|(m, _)| *m = outside);
     }
-    let cell = setting.grid.cell_measure();
-    let bias2: Sum = moments
-        .iter()
-        .zip(truth)
-        .map(|(m, f)| (m.mean - f).powi(2))
-        .collect();
-    let variance: Sum = moments.iter().map(|m| m.variance).collect();
-    Some(Exact {
-        bias2: bias2.value() * cell,
-        variance: variance.value() * cell,
-        expected: moments.iter().map(|m| m.mean).collect(),
-        spread: moments.iter().map(|m| m.variance.sqrt()).collect(),
-    })
+    Some(moments)
 }
 
 fn gather_one<const D: usize>(
     experiment: &Experiment,
     estimator: usize,
     records: Vec<Record>,
-    (exact, ladder): (Option<Exact>, Ladder),
+    (exact, ladder): (Option<Vec<Moments>>, Ladder),
     group: &Group<D>,
 ) -> Outcome {
     let mut outcome = Outcome {
@@ -285,24 +347,10 @@ fn gather_one<const D: usize>(
             outcome.coverage.get_or_insert_default().merge(coverage);
         }
     }
-    for measure in Measure::ALL {
-        if let Some(interval) = outcome.interval(measure, CONFIDENCE, group) {
-            outcome.measures.insert(measure, interval);
-        }
-    }
     if let Some(exact) = exact {
-        outcome
-            .measures
-            .insert(Measure::ExactBias2, Interval::exact(exact.bias2));
-        outcome
-            .measures
-            .insert(Measure::ExactVariance, Interval::exact(exact.variance));
-        outcome.measures.insert(
-            Measure::ExactMise,
-            Interval::exact(exact.bias2 + exact.variance),
-        );
-        outcome.expected = Some(exact.expected);
-        outcome.spread = Some(exact.spread);
+        outcome.expected = Some(exact.iter().map(|m| m.mean).collect());
+        outcome.spread = Some(exact.iter().map(|m| m.variance.sqrt()).collect());
     }
+    outcome.measure(group);
     outcome
 }

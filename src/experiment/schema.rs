@@ -5,7 +5,7 @@
 
 use super::Measure;
 use super::catalogue;
-use super::read::{figure, form, grid, scene, source, stop, sweep, uncertainty, whole};
+use super::read::{figure, form, grid, region, scene, source, stop, sweep, uncertainty, whole};
 use crate::density;
 use crate::light::photons::WALK;
 use crate::parameter::{Absent, Kind, Parameter};
@@ -51,6 +51,11 @@ fn top() -> Value {
             }
             "grid" => grid_schema(),
             "stop" => table(stop::STOP),
+            "region" => json!({
+                "type": "array",
+                "maxItems": super::read::REGIONS,
+                "items": table(region::REGION),
+            }),
             "estimator" => {
                 json!({ "type": "array", "minItems": 1, "items": estimator_schema() })
             }

@@ -92,6 +92,54 @@ pub fn summary<const D: usize>(results: &Results<D>) -> Table {
     }
 }
 
+/// One row for each source, size, region, estimator and measure, where the experiment names regions.
+pub fn regions<const D: usize>(results: &Results<D>) -> Table {
+    let mut rows = Vec::new();
+    for group in &results.groups {
+        for (region, cells) in &group.regions {
+            let Some(part) = group.within(region) else {
+                continue;
+            };
+            for outcome in &part.outcomes {
+                for (measure, interval) in &outcome.measures {
+                    if matches!(measure, Measure::Modes | Measure::Smoothing) {
+                        continue;
+                    }
+                    rows.push(vec![
+                        group.name.clone(),
+                        group.draws.to_string(),
+                        region.clone(),
+                        cells.len().to_string(),
+                        outcome.name.clone(),
+                        measure.name().to_owned(),
+                        digits(Some(interval.value)),
+                        digits(interval.standard_error),
+                        digits(interval.standard_error.map(|_| interval.low)),
+                        digits(interval.standard_error.map(|_| interval.high)),
+                    ]);
+                }
+            }
+        }
+    }
+    let columns = vec![
+        "source",
+        "n",
+        "region",
+        "cells",
+        "estimator",
+        "measure",
+        "value",
+        "standard_error",
+        "low",
+        "high",
+    ];
+    Table {
+        file: "regions.csv",
+        columns,
+        rows,
+    }
+}
+
 /// The exact measure that a simulated one estimates.
 pub fn exact_counterpart(measure: Measure) -> Option<Measure> {
     match measure {

@@ -19,12 +19,14 @@ mod brute;
 mod cells;
 mod kept;
 mod metric;
+mod nearest;
 mod sorted;
 mod tree;
 
 pub use brute::Brute;
 pub use cells::Cells;
 pub use metric::Metric;
+pub use nearest::{Found, Nearest};
 pub use sorted::Sorted;
 pub use tree::Tree;
 
@@ -62,6 +64,16 @@ pub trait Neighbours<const D: usize>: Send + Sync {
     /// Shows each point whose **squared** distance from `target` is at most `squared`: its number in the sample and its squared distance, in
     /// an order that depends on nothing but the sample and the target.
     fn within(&self, target: Point<D>, squared: f64, show: &mut dyn FnMut(usize, f64));
+
+    /// Adds to `found` all points within some distance of `target` that holds at least `k` of them, 1 ≤ k ≤ `count`. Which points and in which order
+    /// depends on nothing but the sample, the target and k.
+    ///
+    /// # Panics
+    /// For any other k.
+    fn gather(&self, target: Point<D>, k: usize, scratch: &mut Scratch, found: &mut Vec<Found>) {
+        let squared = self.distance(target, k, scratch);
+        self.within(target, squared, &mut |i, d| found.push((d, i as u32)));
+    }
 }
 
 /// A sample whose dimension has finders.

@@ -1,7 +1,7 @@
 //! Any spread in the plane: the k-d tree of the kiddo crate.
 
 use super::kept::Kept;
-use super::{Metric, Neighbours, Scratch, check};
+use super::{Found, Metric, Neighbours, Scratch, check};
 use crate::sample::Sample;
 use crate::space::Point;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -237,6 +237,48 @@ impl Tree {
         }
     }
 
+    /// All points within the distance of the `k`-th where there is one at each place and no axis wraps round, from the radius of the last query; `None`, with
+    /// nothing found, where that was of no use.
+    fn collect(
+        &self,
+        home: Point<2>,
+        k: usize,
+        memory: &mut Memory,
+        found: &mut Vec<Found>,
+    ) -> Option<f64> {
+        let (_, last) = memory
+            .last
+            .filter(|(many, squared)| *many == k && memory.debt == 0 && *squared > 0.0)?;
+        let before = found.len();
+        let mut squared = last * (1.0 + 2.0 / (k as f64).sqrt());
+        for _ in 0..3 {
+            self.places_within(home, squared, &mut memory.seen, |i, d| {
+                found.push((d, self.numbers[i]));
+            });
+            let many = found.len() - before;
+            memory.debt += many.saturating_sub(4 * k);
+            if many >= k {
+                let copy = &mut memory.found;
+                copy.clear();
+                copy.extend_from_slice(&found[before..]);
+                let at = copy.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0));
+                let distance = at.1.0;
+                // what lies beyond depends on the last query
+                let mut end = before;
+                for i in before..found.len() {
+                    let one = found[i];
+                    found[end] = one;
+                    end += usize::from(one.0 <= distance);
+                }
+                found.truncate(end);
+                return Some(distance);
+            }
+            found.truncate(before);
+            squared *= (1.5 * k as f64 / many.max(1) as f64).clamp(1.5, 8.0);
+        }
+        None
+    }
+
     /// Whether the tree rounds as the metric does.
     fn agrees(&self, home: Point<2>, distance: f64, item: u32) -> bool {
         let metric = self.metric.squared(home, self.places[item as usize]);
@@ -283,6 +325,20 @@ impl Neighbours<2> for Tree {
         };
         memory.last = Some((k, distance));
         distance
+    }
+
+    fn gather(&self, target: Point<2>, k: usize, scratch: &mut Scratch, found: &mut Vec<Found>) {
+        check(k, self.count());
+        let memory = &mut scratch.memory;
+        if self.places.len() == self.numbers.len() && !self.metric.wraps() {
+            let home = self.metric.home(target);
+            if let Some(distance) = self.collect(home, k, memory, found) {
+                memory.last = Some((k, distance));
+                return;
+            }
+        }
+        let squared = self.distance(target, k, scratch);
+        self.within(target, squared, &mut |i, d| found.push((d, i as u32)));
     }
 
     fn within(&self, target: Point<2>, squared: f64, show: &mut dyn FnMut(usize, f64)) {

@@ -56,6 +56,10 @@ pub struct Evaluation {
     pub engine: Option<&'static str>,
     /// Why that engine, line by line.
     pub explanation: Vec<String>,
+    /// How far around each target the data were averaged, where that differs from target to target.
+    pub sizes: Option<Vec<f64>>,
+    /// The root mean squared error that the estimator itself expects at each target, where it does; not calibrated.
+    pub expected_errors: Option<Vec<f64>>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
     /// Why there are no values: they are then not numbers. Only where computing is out of our hands, as with another program.

@@ -119,6 +119,7 @@ fn a_file_resolves_to_checked_values_with_defaults_filled_in() {
     assert_eq!(
         experiment.figures[0],
         Figure {
+            region: None,
             title: "Estimates".to_owned(),
             caption: String::new(),
             estimators: Vec::new(),

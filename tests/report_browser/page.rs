@@ -157,6 +157,7 @@ pub fn page(name: &str) -> Page {
         svg,
     };
     Page {
+        verdict: vec!["A sentence that follows from the tables.".to_owned()],
         question: name.into(),
         notes: name.into(),
         claims: vec![Verdict {

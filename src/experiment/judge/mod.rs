@@ -76,10 +76,18 @@ pub fn judge<const D: usize>(bench: &Bench<D>, results: &Results<D>) -> Vec<Verd
         .iter()
         .enumerate()
         .map(|(number, claim)| {
+            let parts: Vec<Option<Group<D>>> = results
+                .groups
+                .iter()
+                .filter(|group| concerns(claim, group))
+                .map(|group| group.within(claim.region.as_deref()?))
+                .collect();
             let groups: Vec<&Group<D>> = results
                 .groups
                 .iter()
                 .filter(|group| concerns(claim, group))
+                .zip(&parts)
+                .map(|(whole, part)| part.as_ref().unwrap_or(whole))
                 .collect();
             if let Statement::Slope { .. } = claim.statement {
                 return over_sizes(number, &claim.statement, &groups);

@@ -73,6 +73,7 @@ mod tests {
                     integral: 1.0,
                     modes,
                     smoothing: None,
+                    regions: Vec::new(),
                 })
                 .collect(),
             tally: Tally::default(),

@@ -24,6 +24,8 @@ pub(super) fn claim(
     let draws = draws.map(|entry| setting.draws(reader, entry.item));
     let source = table.take("source");
     let source = source.map(|entry| setting.source(reader, entry.item));
+    let region = table.take("region");
+    let region = region.map(|entry| setting.region(reader, entry.item));
     let entry = key(reader, table, &span)?;
     let statement = match entry.key() {
         "best" => best(reader, entry, setting),
@@ -51,6 +53,10 @@ pub(super) fn claim(
         },
         source: match source {
             Some(source) => Some(source?),
+            None => None,
+        },
+        region: match region {
+            Some(region) => Some(region?),
             None => None,
         },
         statement,

@@ -96,9 +96,11 @@ fn widest(
             (Some(1.0), "an estimate that is zero everywhere is 1 wrong")
         }
         Measure::Modes => (Some(1.0), "it lets one mode be none"),
-        Measure::Mire | Measure::Smoothing | Measure::OverBest | Measure::OverLocalBest => {
-            (None, "")
-        }
+        Measure::Mire
+        | Measure::Bias
+        | Measure::Smoothing
+        | Measure::OverBest
+        | Measure::OverLocalBest => (None, ""),
     }
 }
 

@@ -6,6 +6,7 @@ pub(crate) use forms::FORMS;
 
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
+use super::section::section;
 use super::setting::Setting;
 use super::value::{self, Located};
 use crate::experiment::{Figure, FigureKind};
@@ -54,6 +55,12 @@ pub(crate) const COMMON: &[Parameter] = &[
         Absent::Unset,
         "the sample size shown, one of the experiment's; its first by default",
     ),
+    Parameter::optional(
+        "region",
+        Kind::Text,
+        Absent::Unset,
+        "the region that errors are of; the whole grid by default",
+    ),
 ];
 
 /// Reads one `[[figure]]`.
@@ -82,6 +89,8 @@ pub(super) fn figure(
     });
     let draws = table.take("draws");
     let draws = draws.and_then(|entry| setting.draws(reader, entry.item));
+    let region = table.take("region");
+    let region = region.map(|entry| setting.region(reader, entry.item));
     let (form, entry) = kind(reader, table, &span)?;
     setting.demand(
         reader,
@@ -130,6 +139,10 @@ pub(super) fn figure(
         },
         estimators: estimators.unwrap_or_default(),
         draws,
+        region: match region {
+            Some(region) => Some(region?),
+            None => None,
+        },
         kind,
     })
 }
@@ -282,18 +295,7 @@ fn resolve(
             })
         }
         "maps" => maps(reader, located, setting),
-        "section" => {
-            let end = |x, y| Some([values.number(x)?, values.number(y)?]);
-            let (from, to) = (end("from-x", "from-y")?, end("to-x", "to-y")?);
-            if (0..2).all(|k| from[k] - to[k] == 0.0) {
-                reader.report(Problem::at(
-                    located.place("to-x"),
-                    "the line ends where it begins",
-                ));
-                return None;
-            }
-            Some(FigureKind::Section { from, to })
-        }
+        "section" => section(reader, located, setting),
         _ => None,
     }
 }
@@ -308,7 +310,7 @@ fn maps(reader: &mut Reader, located: &Located, setting: &Setting<'_>) -> Option
     } else if show.is_empty() {
         reader.report(
             Problem::at(located.place("show"), "`show` is an empty list")
-                .allowed("at least one of `truth`, `sample`, `mean`, `error`"),
+                .allowed("at least one of `truth`, `sample`, `mean`, `error`, `size`"),
         );
         return None;
     }

@@ -297,4 +297,10 @@ pub(crate) const COMMON: &[Parameter] = &[
         Absent::Unset,
         "the source it is about; each of them by default",
     ),
+    Parameter::optional(
+        "region",
+        Kind::Text,
+        Absent::Unset,
+        "the region it is about; the whole grid by default",
+    ),
 ];

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `whole` | the experiment from its parts |
 //! | `trial` | building every estimator before the run |
-//! | `source`, `data`, `grid`, `estimator`, `figure`, `claim` | the parts |
+//! | `source`, `data`, `grid`, `region`, `estimator`, `figure`, `section`, `claim` | the parts |
 //! | `form`, `sweep` | what claims take; several values for one parameter |
 //! | `single` | one estimator or density outside of an experiment |
 //! | `names`, `setting` | what figures and claims refer to |
@@ -26,7 +26,9 @@ pub(crate) mod form;
 pub(crate) mod grid;
 mod names;
 mod rate;
+pub(crate) mod region;
 pub(crate) mod scene;
+mod section;
 mod setting;
 mod single;
 pub(crate) mod source;
@@ -53,7 +55,9 @@ pub const REPLICATES: u64 = 10_000_000;
 pub const CELLS: u64 = 10_000_000;
 /// The most estimators, sweeps expanded.
 pub const ESTIMATORS: usize = 10_000;
-/// The most figures, and the most claims.
+/// The most regions.
+pub const REGIONS: usize = 100;
+/// The most figures.
 pub const FIGURES: usize = 100;
 /// The most claims.
 pub const CLAIMS: usize = 1000;

@@ -12,6 +12,8 @@ pub(super) struct Setting<'s> {
     pub(super) names: &'s Names,
     pub(super) sources: Option<Vec<&'s str>>,
     pub(super) draws: Option<&'s [usize]>,
+    /// The names of the regions.
+    pub(super) regions: &'s [String],
     pub(super) replicates: Option<usize>,
     /// 1 on a line, 2 in the plane.
     pub(super) dimensions: Option<usize>,
@@ -95,6 +97,26 @@ impl Setting<'_> {
             problem.allowed(known.join(", "))
         });
         false
+    }
+
+    /// One of the experiment's regions.
+    pub(super) fn region(&self, reader: &mut Reader, item: &Item<'_>) -> Option<String> {
+        let name = reader.text(item, "`region`")?;
+        if self.regions.iter().any(|known| known == name) {
+            return Some(name.to_owned());
+        }
+        let problem = Problem::at(
+            item.span(),
+            format!("there is no region \"{}\"", printable(name)),
+        );
+        reader.report(if self.regions.is_empty() {
+            problem.help("name parts of the grid: begin each with a line [[region]]")
+        } else {
+            problem
+                .suggest(nearest(name, self.regions.iter().map(String::as_str)))
+                .allowed(listed(self.regions))
+        });
+        None
     }
 
     /// One of the experiment's sources.

@@ -6,9 +6,10 @@ use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, printable};
 use super::setting::Setting;
 use super::trial::try_building;
-use super::{CLAIMS, DRAWS, ESTIMATORS, FIGURES, REPLICATES};
-use super::{claim, figure, grid, source};
+use super::{CLAIMS, DRAWS, ESTIMATORS, FIGURES, REGIONS, REPLICATES};
+use super::{claim, figure, grid, region, source};
 use crate::experiment::budget::{self, Part};
+use crate::experiment::region::RegionSpec;
 use crate::experiment::stop::StopRule;
 use crate::experiment::{Experiment, GridSpec};
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +34,7 @@ pub(crate) const KEYS: &[(&str, &str)] = &[
         "grid",
         "where estimates are evaluated and errors integrated; chosen from the source by default",
     ),
+    ("region", "parts of the grid that errors are told apart by"),
     (
         "interval",
         "the confidence of an interval about each estimate at each target, whose coverage is then counted; none by default",
@@ -147,6 +149,32 @@ fn head<'d>(reader: &mut Reader, top: &mut Table<'d>, folder: &Path) -> Head<'d>
     }
 }
 
+impl Head<'_> {
+    /// 1 on a line, 2 in the plane.
+    fn dimensions(&self) -> Option<usize> {
+        Some(self.sources.as_ref()?.first()?.spec.dimensions())
+    }
+}
+
+/// The regions, and the names of those that are sound.
+fn regions(
+    reader: &mut Reader,
+    top: &mut Table<'_>,
+    head: &Head<'_>,
+) -> (Option<Vec<RegionSpec>>, Vec<String>) {
+    let mut known = Vec::new();
+    let regions = parts(reader, top, "region", REGIONS, |reader, table| {
+        region::region(
+            reader,
+            table,
+            head.dimensions(),
+            head.grid.as_ref(),
+            &mut known,
+        )
+    });
+    (regions, known)
+}
+
 /// Reads all of the document; `None` if anything of the result is missing, which has then been reported.
 #[expect(
     clippy::too_many_lines,
@@ -195,19 +223,19 @@ pub(super) fn experiment(
             .help("give each a `name` of its own"),
         );
     }
+    let dimensions = head.dimensions();
+    let (regions, known) = regions(reader, &mut top, &head);
     let setting = Setting {
         uncertainties: &uncertain,
         names: &names,
+        regions: &known,
         sources: head
             .sources
             .as_ref()
             .map(|sources| sources.iter().map(|read| read.spec.name()).collect()),
         draws: head.draws.as_deref(),
         replicates: head.replicates,
-        dimensions: head
-            .sources
-            .as_ref()
-            .and_then(|sources| Some(sources.first()?.spec.dimensions())),
+        dimensions,
         truth: head.truth,
         interval: interval.is_some(),
         power: head.sources.iter().flatten().fold(None, |least, read| {
@@ -241,6 +269,7 @@ pub(super) fn experiment(
         stop: head.stop,
         grid: head.grid,
         interval,
+        regions: regions?,
         estimators: groups.into_iter().flat_map(|group| group.members).collect(),
         uncertainties: uncertainties?,
         figures: figures?,

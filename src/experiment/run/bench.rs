@@ -29,6 +29,8 @@ pub struct Setting<const D: usize = 1> {
     pub grid: Grid<D>,
     /// Which cells have their centre in the polygon that bounds the domain, where there is one; nothing else counts, and no other cell does.
     pub mask: Option<Vec<bool>>,
+    /// The cells of each region, by name.
+    pub regions: Vec<(String, Vec<u32>)>,
     /// The truth at the centres of the grid's cells, where it is known.
     pub truth: Option<Vec<f64>>,
     /// The estimators in the experiment's order.
@@ -420,9 +422,21 @@ where
                 .map_err(|error| RunError::Input(format!("estimator \"{}\": {error}", spec.name)))
         })
         .collect();
+    let mask = source.domain().mask(&grid);
+    let regions: Vec<(String, Vec<u32>)> = experiment
+        .regions
+        .iter()
+        .map(|region| (region.name.clone(), region.cells(&grid, mask.as_deref())))
+        .collect();
+    if let Some((name, _)) = regions.iter().find(|(_, cells)| cells.is_empty()) {
+        return Err(RunError::Input(format!(
+            "no cell of the grid has its centre in the region \"{name}\""
+        )));
+    }
     Ok(Setting {
         draws,
-        mask: source.domain().mask(&grid),
+        mask,
+        regions,
         grid,
         truth,
         estimators: estimators?,

@@ -1,6 +1,6 @@
 //! The unit of work: one estimator on one block of replicates.
 
-use super::{Bench, Failure, RunError};
+use super::{Bench, Failure, RunError, Setting};
 use crate::accuracy::{Coverage, Errors, Tally, reach};
 use crate::estimator::{Estimate, Estimator};
 use crate::experiment::uncertainty::Said;
@@ -26,7 +26,7 @@ pub struct Cell {
 }
 
 /// What one estimate on one sample gave.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Replicate {
     /// Its errors, where the truth is known.
     pub errors: Option<Errors>,
@@ -36,6 +36,18 @@ pub struct Replicate {
     pub modes: usize,
     /// The bandwidth or width used, where there is one.
     pub smoothing: Option<f64>,
+    /// The same errors and integral over each region.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<Part>,
+}
+
+/// What one estimate gave over one region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its errors, where the truth is known.
+    pub errors: Option<Errors>,
+    /// ∫f̂ over the region.
+    pub integral: f64,
 }
 
 /// What a cell gave.
@@ -138,6 +150,7 @@ pub(super) fn compute<const D: usize>(
             integral: values.iter().copied().collect::<Sum>().value() * measure,
             modes: mode_count(&raster, RIPPLE.max(2.0 * evaluation.error)),
             smoothing: estimate.smoothing,
+            regions: parts(setting, values),
         });
         for (said, uncertainty) in record.said.iter_mut().zip(&setting.uncertainties) {
             let squared = uncertainty.squared(&**estimator, &sample, Targets::Grid(&setting.grid));
@@ -206,6 +219,20 @@ impl<'a, const D: usize> Intervals<'a, D> {
         let found = self.found.get_or_insert_default();
         found.add(values, &half, self.mean.as_deref(), truth);
     }
+}
+
+/// Errors and integral over each region.
+fn parts<const D: usize>(setting: &Setting<D>, values: &[f64]) -> Vec<Part> {
+    let measure = setting.grid.cell_measure();
+    let one = |(_, cells): &(String, Vec<u32>)| {
+        let numbers = || cells.iter().map(|&cell| cell as usize);
+        let truth = setting.truth.as_ref();
+        Part {
+            errors: truth.map(|truth| Errors::over(numbers(), values, truth, measure)),
+            integral: numbers().map(|i| values[i]).collect::<Sum>().value() * measure,
+        }
+    };
+    setting.regions.iter().map(one).collect()
 }
 
 /// The stream that draws replicate number `replicate`: common to all estimators, sizes and sources, so that comparisons are paired.

@@ -55,12 +55,17 @@ mod tests {
             ise: 2.0_f64.sqrt(),
             iae: f64::MIN_POSITIVE,
             ire: 1e22,
+            bias: -0.1,
         });
         let replicates = vec![Replicate {
             errors,
             integral: 1.0 - 1e-16,
             modes: 3,
             smoothing: None,
+            regions: vec![crate::experiment::run::Part {
+                errors,
+                integral: 1.0 / 3.0,
+            }],
         }];
         Record {
             replicates,

@@ -11,7 +11,7 @@ mod journal;
 mod look;
 
 pub use bench::{Bench, Setting};
-pub use cell::{Cell, Record, Replicate};
+pub use cell::{Cell, Part, Record, Replicate};
 pub use folder::{Existing, Identity, Opening, RunFolder, fingerprint};
 
 use super::Experiment;

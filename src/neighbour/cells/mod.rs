@@ -4,7 +4,7 @@ mod axis;
 mod ring;
 
 use super::kept::Kept;
-use super::{Metric, Neighbours, Scratch, check};
+use super::{Found, Metric, Neighbours, Scratch, check};
 use crate::sample::Sample;
 use crate::space::Point;
 use axis::Axis;
@@ -191,6 +191,11 @@ impl Neighbours<2> for Cells {
         } else {
             self.kth::<false>(home, k, &mut scratch.bits)
         }
+    }
+
+    fn gather(&self, target: Point<2>, k: usize, _scratch: &mut Scratch, found: &mut Vec<Found>) {
+        check(k, self.count());
+        self.disc(self.metric.home(target), k, found);
     }
 
     fn within(&self, target: Point<2>, squared: f64, show: &mut dyn FnMut(usize, f64)) {

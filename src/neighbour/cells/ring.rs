@@ -1,6 +1,6 @@
 //! The points in a ring about a target, and how many are inside of it.
 
-use super::super::select;
+use super::super::{Found, select};
 use super::Cells;
 use super::axis::Range;
 use crate::space::Point;
@@ -139,6 +139,41 @@ impl Cells {
             }
         });
         (below, found)
+    }
+
+    /// All points of a disc that holds `k`, with little beyond.
+    pub(super) fn disc(&self, home: Point<2>, k: usize, found: &mut Vec<Found>) {
+        let bounds = self.bounds(home, k);
+        let likely = bounds.expected * (1.0 + DEVIATIONS * bounds.spread);
+        let before = found.len();
+        self.collect(home, bounds.most.min(likely), found);
+        if found.len() - before < k {
+            found.truncate(before);
+            self.collect(home, bounds.most, found);
+        }
+    }
+
+    fn collect(&self, home: Point<2>, high: f64, found: &mut Vec<Found>) {
+        let wraps = self.metric.wraps();
+        let mut end = found.len();
+        self.stripes(home, 0.0, high, |outer, _| {
+            let points = &self.points[outer.0..outer.1];
+            if found.len() < end + points.len() {
+                found.resize(2 * (end + points.len()), (0.0, 0));
+            }
+            // as in `ring`: written down, and written over unless wanted
+            for (&x, &number) in points.iter().zip(&self.numbers[outer.0..outer.1]) {
+                let d = if wraps {
+                    self.metric.squared(home, x)
+                } else {
+                    let (dx, dy) = (home[0] - x[0], home[1] - x[1]);
+                    dx * dx + dy * dy
+                };
+                found[end] = (d, number);
+                end += usize::from(d <= high);
+            }
+        });
+        found.truncate(end);
     }
 
     /// Shows, as ranges of `points`, all that may be within a squared distance of `high`; points that are surely nearer than

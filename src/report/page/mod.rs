@@ -84,6 +84,8 @@ pub struct Page {
     pub figures: Vec<Figure>,
     /// Tables.
     pub tables: Vec<Table>,
+    /// What follows from them, in plain words; a paragraph each.
+    pub verdict: Vec<String>,
     /// The command that makes this report again.
     pub command: String,
     /// Versions and revisions, as (name, value).
@@ -107,6 +109,7 @@ impl Page {
         }
         self.figures(&mut body);
         self.tables(&mut body);
+        self.verdict(&mut body);
         self.origin(&mut body);
         let script = if self.slider.is_some() {
             format!("<script>{SCRIPT}</script>\n")
@@ -235,6 +238,17 @@ impl Page {
         body.push_str("<section>\n<h2>Tables</h2>\n");
         for (index, table) in self.tables.iter().enumerate() {
             table.render(body, index + 1);
+        }
+        body.push_str("</section>\n");
+    }
+
+    fn verdict(&self, body: &mut String) {
+        if self.verdict.is_empty() {
+            return;
+        }
+        body.push_str("<section>\n<h2>Verdict</h2>\n");
+        for said in &self.verdict {
+            let _ = writeln!(body, "<p>{}</p>", escape(said));
         }
         body.push_str("</section>\n");
     }

@@ -12,11 +12,14 @@ mod local;
 mod page;
 mod pictures;
 mod plane;
+mod regions;
 mod room;
+mod section;
 mod sweep;
 mod tables;
 mod uncertain;
 mod unfold;
+mod verdict;
 
 pub use fine::Fine;
 
@@ -70,6 +73,8 @@ pub struct Illustrations {
     pictures: Vec<pictures::Picture>,
     /// The slider of a swept bandwidth.
     slider: Option<Slider>,
+    /// Seconds of each estimate on the grid, by group and estimator, where they were taken.
+    costs: Vec<Vec<f64>>,
 }
 
 impl Draws<1> for Paper {
@@ -78,6 +83,7 @@ impl Draws<1> for Paper {
         Ok(Illustrations {
             pictures: pictures::draw(material, &fine),
             slider: page::slider(material, &fine),
+            costs: Vec::new(),
             first: fine.groups.into_iter().map(|first| first.coarse).collect(),
         })
     }
@@ -131,11 +137,13 @@ where
         first,
         pictures: drawn,
         slider,
+        costs,
     } = Paper::illustrate(material)?;
     let first: Vec<&[Vec<f64>]> = first.iter().map(Vec::as_slice).collect();
     let tables = folder.fresh("tables")?;
     for table in [
         table::summary(results),
+        table::regions(results),
         table::replicates(results),
         table::pairs(results),
         table::curves(results, &first),
@@ -152,7 +160,7 @@ where
         let path = figures.join(format!("{:02}-{}.svg", number + 1, picture.slug));
         write_atomically(&path, picture.svg.as_str().as_bytes())?;
     }
-    let page = page::compose(material, slider, drawn);
+    let page = page::compose(material, slider, drawn, &costs);
     write_atomically(&folder.path().join("report.html"), page.as_bytes())?;
     manifest::write(
         folder.path(),

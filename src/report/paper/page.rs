@@ -3,7 +3,7 @@
 use super::fine::First;
 use super::pictures::{Picture, place_axis};
 use super::sweep::{members, parameter, traces};
-use super::{Fine, Material, tables};
+use super::{Fine, Material, tables, verdict};
 use crate::experiment::judge::{Ruling, short};
 use crate::experiment::program::{REVISION, VERSION};
 use crate::experiment::results::Group;
@@ -17,6 +17,7 @@ pub(super) fn compose<const D: usize>(
     material: &Material<'_, D>,
     slider: Option<Slider>,
     pictures: Vec<Picture>,
+    costs: &[Vec<f64>],
 ) -> String {
     let experiment = material.bench.experiment();
     let tables = tables::all(material);
@@ -36,6 +37,10 @@ pub(super) fn compose<const D: usize>(
             })
             .collect(),
         tables,
+        verdict: verdict::paragraphs(material, costs)
+            .iter()
+            .map(|said| minus(said))
+            .collect(),
         command: material.circumstances.command.clone(),
         versions: vec![
             ("lab".to_owned(), VERSION.to_owned()),

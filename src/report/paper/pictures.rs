@@ -75,6 +75,11 @@ pub(super) fn common<const D: usize>(
 where
     Paper: Draws<D>,
 {
+    let part = figure
+        .region
+        .as_deref()
+        .and_then(|region| group.within(region));
+    let group = part.as_ref().unwrap_or(group);
     match &figure.kind {
         FigureKind::Errors { measure } => Some(errors::draw(material, figure, group, measure)),
         FigureKind::Convergence { measure } => {

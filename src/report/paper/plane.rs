@@ -2,32 +2,33 @@
 
 use super::pictures::{axis_of, chosen, common, picture, shows};
 use super::room::unfolded;
+use super::section::section;
 use super::{Draws, Illustrations, Material, Paper};
 use crate::experiment::results::{Group, Outcome};
 use crate::experiment::run::RunError;
 use crate::experiment::{Figure, FigureKind};
 use crate::kernel::Shape;
-use crate::report::figure::{Axis, Colours, Curves, HeatMaps, Map, Role, Series, Svg};
-use crate::space::{Field, Point, Targets};
-
-/// Places along a cross-section: two to a pixel of the widest figure.
-const PLACES: usize = 1440;
+use crate::report::figure::{Colours, HeatMaps, Map, Svg};
+use crate::space::{Evaluation, Field, Targets};
 
 impl Draws<2> for Paper {
     fn illustrate(material: &Material<'_, 2>) -> Result<Illustrations, RunError> {
         let groups = &material.results.groups;
-        let first: Vec<Vec<Vec<f64>>> = groups
-            .iter()
-            .map(|group| {
-                let grid = group.grid;
-                let mut estimates = of_first_sample(material, group, Targets::Grid(&grid))?;
-                let setting = material.bench.setting(group.source, group.size);
-                for values in &mut estimates {
-                    setting.restrict(values);
-                }
-                Ok(estimates)
-            })
-            .collect::<Result<_, RunError>>()?;
+        let (mut first, mut sizes, mut costs) = (Vec::new(), Vec::new(), Vec::new());
+        for group in groups {
+            let grid = group.grid;
+            let setting = material.bench.setting(group.source, group.size);
+            let (mut values, mut radii, mut seconds) = (Vec::new(), Vec::new(), Vec::new());
+            for (mut evaluation, cost) in of_first_sample(material, group, Targets::Grid(&grid))? {
+                setting.restrict(&mut evaluation.values);
+                values.push(evaluation.values);
+                radii.push(evaluation.sizes);
+                seconds.push(cost);
+            }
+            first.push(values);
+            sizes.push(radii);
+            costs.push(seconds);
+        }
         let mut pictures = Vec::new();
         for figure in &material.bench.experiment().figures {
             let shown: Vec<(usize, &Group<2>)> = groups
@@ -49,7 +50,8 @@ impl Draws<2> for Paper {
                 let of = several.then_some(group);
                 match &figure.kind {
                     FigureKind::Maps { show, levels } => {
-                        let drawn = maps(material, figure, group, &first[index], show, *levels);
+                        let known = (&first[index][..], &sizes[index][..]);
+                        let drawn = maps(material, figure, group, known, show, *levels);
                         pictures.extend(drawn.into_iter().map(|(what, svg)| {
                             let mut picture = picture(figure, of, svg);
                             if let Some(what) = what {
@@ -59,8 +61,8 @@ impl Draws<2> for Paper {
                             picture
                         }));
                     }
-                    FigureKind::Section { from, to } => {
-                        let svg = section(material, figure, group, *from, *to)?;
+                    FigureKind::Section { .. } => {
+                        let svg = section(material, figure, group)?;
                         pictures.push(picture(figure, of, svg));
                     }
                     _ => pictures.extend(
@@ -73,6 +75,7 @@ impl Draws<2> for Paper {
             first,
             pictures,
             slider: None,
+            costs,
         })
     }
 
@@ -86,12 +89,12 @@ impl Draws<2> for Paper {
     }
 }
 
-/// What each estimator makes of the first sample.
-fn of_first_sample(
+/// What each estimator makes of the first sample, and the seconds it took.
+pub(super) fn of_first_sample(
     material: &Material<'_, 2>,
     group: &Group<2>,
     targets: Targets<'_, 2>,
-) -> Result<Vec<Vec<f64>>, RunError> {
+) -> Result<Vec<(Evaluation, f64)>, RunError> {
     let sample = material.bench.sample(group.source, group.size, 0)?;
     let setting = material.bench.setting(group.source, group.size);
     setting
@@ -99,28 +102,30 @@ fn of_first_sample(
         .iter()
         .zip(&group.outcomes)
         .map(|(estimator, outcome)| {
+            let begin = std::time::Instant::now();
             let estimate = estimator.fit(&sample).map_err(|error| {
                 RunError::Input(format!(
                     "estimator \"{}\" on the first sample: {error}",
                     outcome.name
                 ))
             })?;
-            Ok(estimate.evaluate(targets).values)
+            let evaluation = estimate.evaluate(targets);
+            Ok((evaluation, begin.elapsed().as_secs_f64()))
         })
         .collect()
 }
 
-/// One drawing of densities and one of errors, whose colours mean something else; a word tells them apart where there are both.
+/// One drawing of densities, one of errors and one of sizes, whose colours mean something else; a word tells them apart where there are both.
 fn maps(
     material: &Material<'_, 2>,
     figure: &Figure,
     group: &Group<2>,
-    first: &[Vec<f64>],
+    (first, sizes): (&[Vec<f64>], &[Option<Vec<f64>>]),
     show: &[String],
     levels: bool,
 ) -> Vec<(Option<&'static str>, Svg)> {
     let wants = |what: &str| show.iter().any(|word| word == what);
-    let (mut densities, mut errors) = (Vec::new(), Vec::new());
+    let (mut densities, mut errors, mut radii) = (Vec::new(), Vec::new(), Vec::new());
     let map = |title: String, values: Vec<f64>| Map {
         title,
         values: masked(group, values),
@@ -144,11 +149,21 @@ fn maps(
         if wants("error") {
             errors.push(map(outcome.name.clone(), outcome.tally.mean().to_vec()));
         }
+        if let Some(sizes) = sizes[number].as_ref().filter(|_| wants("size")) {
+            radii.push(map(outcome.name.clone(), sizes.clone()));
+        }
     }
-    let apart = !densities.is_empty() && !errors.is_empty();
+    let sorts = [&densities, &errors, &radii];
+    let apart = sorts.iter().filter(|maps| !maps.is_empty()).count() > 1;
     [
         (densities, Colours::Amount, "density", "densities"),
         (errors, Colours::Signed, "mean estimate − truth", "errors"),
+        (
+            radii,
+            Colours::Amount,
+            "radius of the neighbourhood",
+            "sizes",
+        ),
     ]
     .into_iter()
     .filter(|(maps, ..)| !maps.is_empty())
@@ -180,7 +195,7 @@ fn maps(
 }
 
 /// The mean over replicates.
-fn mean(group: &Group<2>, outcome: &Outcome) -> Vec<f64> {
+pub(super) fn mean(group: &Group<2>, outcome: &Outcome) -> Vec<f64> {
     let truth = |i: usize| group.truth.as_ref().map_or(0.0, |truth| truth[i]);
     let errors = outcome.tally.mean().iter().enumerate();
     errors.map(|(i, error)| error + truth(i)).collect()
@@ -196,47 +211,4 @@ fn masked(group: &Group<2>, mut values: Vec<f64>) -> Vec<f64> {
         }
     }
     values
-}
-
-/// Truth and estimates of the first sample over the way along a line.
-fn section(
-    material: &Material<'_, 2>,
-    figure: &Figure,
-    group: &Group<2>,
-    from: Point<2>,
-    to: Point<2>,
-) -> Result<Svg, RunError> {
-    let along = |t: f64| [0, 1].map(|k: usize| t.mul_add(to[k] - from[k], from[k]));
-    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-    let shares: Vec<f64> = (0..PLACES)
-        .map(|i| (i as f64 + 0.5) / PLACES as f64)
-        .collect();
-    let places: Vec<Point<2>> = shares.iter().map(|t| along(*t)).collect();
-    let x: Vec<f64> = shares.iter().map(|t| t * length).collect();
-    let estimates = of_first_sample(material, group, Targets::Points(&places))?;
-    let truth = material.bench.field(group.source).map(|truth| Series {
-        name: "truth".to_owned(),
-        x: x.clone(),
-        y: places.iter().map(|place| truth.at(*place)).collect(),
-        role: Role::Truth,
-    });
-    let estimates = chosen(figure, group).map(|(number, outcome)| Series {
-        name: outcome.name.clone(),
-        x: x.clone(),
-        y: estimates[number].clone(),
-        role: Role::Estimate(number),
-    });
-    let label = format!(
-        "distance along the line from ({}, {}) to ({}, {})",
-        from[0], from[1], to[0], to[1]
-    );
-    Ok(Curves {
-        title: String::new(),
-        description: figure.caption.clone(),
-        x: Axis::new(label, "").over(0.0, length),
-        y: Axis::new("density", ""),
-        series: truth.into_iter().chain(estimates).collect(),
-        ..Curves::default()
-    }
-    .draw())
 }

@@ -51,6 +51,7 @@ fn of<const D: usize>(material: &Material<'_, D>, group: &Group<D>) -> Vec<Table
     if group.truth.is_some() {
         tables.push(errors(&name, group));
     }
+    tables.extend(super::regions::tables(&name, group));
     tables.push(parts(&name, material, group));
     tables.extend(pairs(&name, group));
     tables

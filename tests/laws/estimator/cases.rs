@@ -166,6 +166,12 @@ fn tried(parameter: &Parameter) -> Vec<Value> {
         // how far an approximate engine may be off is judged by the laws of engines
         return numbers(&[1e-12, 1e-11]);
     }
+    if parameter.name == "min" {
+        return vec![Value::Count(2), Value::Count(5)];
+    }
+    if parameter.name == "max" {
+        return vec![Value::Count(12), Value::Count(60)];
+    }
     if parameter.name == "k" {
         // the data have from three points on; what is more than that is refused
         return vec![Value::Count(2), Value::Count(5)];

@@ -159,9 +159,9 @@ pub(crate) const FORMS: &[Form] = &[
         parameters: &[
             Parameter::optional(
                 "show",
-                Kind::Choices(&["truth", "sample", "mean", "error"]),
+                Kind::Choices(&["truth", "sample", "mean", "error", "size"]),
                 Absent::Unset,
-                "what is drawn: the truth, the estimates of the first sample, their mean over replicates, that mean less the truth; by default truth (where known) and sample",
+                "what is drawn: the truth, the estimates of the first sample, their mean over replicates, that mean less the truth, how far around each place the first sample was averaged; by default truth (where known) and sample",
             ),
             Parameter::optional(
                 "levels",
@@ -197,6 +197,26 @@ pub(crate) const FORMS: &[Form] = &[
             Parameter::required("from-y", Kind::Real, "where the line begins, second axis"),
             Parameter::required("to-x", Kind::Real, "where the line ends, first axis"),
             Parameter::required("to-y", Kind::Real, "where the line ends, second axis"),
+            Parameter::optional(
+                "show",
+                Kind::Choices(&[
+                    "truth",
+                    "sample",
+                    "mean",
+                    "band",
+                    "error",
+                    "expected-error",
+                    "size",
+                ]),
+                Absent::Unset,
+                "what is drawn: the truth, the estimates of the first sample, their mean over replicates, ± one standard deviation about it; or apart from those the root mean squared error over replicates, the error that an estimator expects of itself on the first sample, or how far around each place it averaged; by default truth and sample",
+            ),
+            Parameter::optional(
+                "panels",
+                Kind::Flag,
+                Absent::Flag(false),
+                "one small panel an estimator instead of all in one",
+            ),
         ],
         truth: false,
         replicates: false,

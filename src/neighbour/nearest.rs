@@ -1,0 +1,222 @@
+//! The nearest points of one place, put in order only as far as anyone asks.
+
+use super::{Neighbours, Scratch};
+use crate::space::Point;
+
+/// A datum that was found: its squared distance and its number in the sample.
+pub type Found = (f64, u32);
+
+/// All points within some distance of one place, in buckets of squared distance.
+///
+/// Where the density is even, squared distances in the plane are spread evenly, so equal buckets hold about as many points each. A rank is found by looking
+/// up its bucket and sorting that alone: rules that ask for a dozen ranks among thousands never sort the thousands. Gathering k points costs
+/// O(k) beside what the finder takes, a rank O(log k) on average, all ranks together O(k log k) at worst.
+///
+/// Memory is used again from place to place.
+#[derive(Debug, Default)]
+pub struct Nearest {
+    /// As the finder gave them, then by bucket.
+    found: Vec<Found>,
+    placed: Vec<Found>,
+    /// Bucket i holds `placed[starts[i]..starts[i + 1]]`.
+    starts: Vec<u32>,
+    sorted: Vec<bool>,
+    scratch: Scratch,
+}
+
+/// Points a bucket, where they are spread evenly.
+const OCCUPANCY: usize = 4;
+
+impl Nearest {
+    /// Gathers at least the `k` nearest points of `target`, 1 ≤ k ≤ the finder's count.
+    pub fn gather<const D: usize>(
+        &mut self,
+        finder: &dyn Neighbours<D>,
+        target: Point<D>,
+        k: usize,
+    ) {
+        self.found.clear();
+        finder.gather(target, k, &mut self.scratch, &mut self.found);
+        self.distribute();
+    }
+
+    fn distribute(&mut self) {
+        let many = self.found.len();
+        let buckets = (many / OCCUPANCY).max(1);
+        let largest = self
+            .found
+            .iter()
+            .fold(0.0, |largest: f64, f| largest.max(f.0));
+        // beyond all numbers everything is in the first bucket
+        let scale = if largest > 0.0 && largest.is_finite() {
+            buckets as f64 / largest
+        } else {
+            0.0
+        };
+        let bucket = |squared: f64| ((squared * scale) as usize).min(buckets - 1);
+        self.starts.clear();
+        self.starts.resize(buckets + 2, 0);
+        for &(squared, _) in &self.found {
+            self.starts[bucket(squared) + 2] += 1;
+        }
+        for i in 2..buckets + 2 {
+            self.starts[i] += self.starts[i - 1];
+        }
+        self.placed.clear();
+        self.placed.resize(many, (0.0, 0));
+        for &found in &self.found {
+            let next = &mut self.starts[bucket(found.0) + 1];
+            self.placed[*next as usize] = found;
+            *next += 1;
+        }
+        self.starts.pop();
+        self.sorted.clear();
+        self.sorted.resize(buckets, false);
+    }
+
+    /// How many points were gathered.
+    pub fn len(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// Whether none was.
+    pub fn is_empty(&self) -> bool {
+        self.placed.is_empty()
+    }
+
+    /// How many buckets there are.
+    pub(crate) fn buckets(&self) -> usize {
+        self.sorted.len()
+    }
+
+    /// What is in a bucket, in order; points equally far in the order of their numbers.
+    pub(crate) fn bucket(&mut self, bucket: usize) -> &[Found] {
+        let range = self.starts[bucket] as usize..self.starts[bucket + 1] as usize;
+        let inside = &mut self.placed[range];
+        if !self.sorted[bucket] {
+            self.sorted[bucket] = true;
+            inside.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        }
+        inside
+    }
+
+    /// The bucket of the `k`-th nearest point and how many points are in buckets before.
+    pub(crate) fn place(&self, k: usize) -> (usize, usize) {
+        let bucket = self.starts.partition_point(|&start| (start as usize) < k) - 1;
+        (bucket, self.starts[bucket] as usize)
+    }
+
+    /// The squared distance of the `k`-th nearest point, k from 1.
+    ///
+    /// # Panics
+    /// For a k that was not gathered.
+    pub fn squared(&mut self, k: usize) -> f64 {
+        let (bucket, before) = self.place(k);
+        self.bucket(bucket)[k - 1 - before].0
+    }
+
+    /// The squared distances of the `k` nearest points, ascending.
+    ///
+    /// # Panics
+    /// For a k that was not gathered.
+    pub fn first(&mut self, k: usize) -> impl Iterator<Item = Found> + '_ {
+        if k > 0 {
+            let (last, _) = self.place(k);
+            for bucket in 0..=last {
+                self.bucket(bucket);
+            }
+        }
+        self.placed[..k].iter().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::neighbour::{Brute, Cells, Sorted, Tree};
+    use crate::random::{open_unit, stream};
+    use crate::sample::Sample;
+    use crate::space::Domain;
+
+    /// A sorted list of all squared distances.
+    fn all<const D: usize>(finder: &dyn Neighbours<D>, target: Point<D>) -> Vec<Found> {
+        let mut all = Vec::new();
+        finder.within(target, f64::INFINITY, &mut |i, d| all.push((d, i as u32)));
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all
+    }
+
+    fn check<const D: usize>(finder: &dyn Neighbours<D>, targets: &[Point<D>]) {
+        let mut nearest = Nearest::default();
+        let n = finder.count();
+        for (i, &target) in targets.iter().enumerate() {
+            let right = all(finder, target);
+            for k in [1, 2, 7, n / 3 + 1, n] {
+                nearest.gather(finder, target, k.min(n));
+                assert!(nearest.len() >= k.min(n));
+                // in any order of asking
+                for rank in [k.min(n), 1, (k / 2).max(1), nearest.len()] {
+                    let squared = nearest.squared(rank);
+                    assert_eq!(
+                        squared.to_bits(),
+                        right[rank - 1].0.to_bits(),
+                        "{} {i} {k}",
+                        finder.name()
+                    );
+                }
+                let some = nearest.len() / 2;
+                assert!(nearest.first(some).eq(right[..some].iter().copied()));
+            }
+        }
+    }
+
+    fn points(n: usize, lattice: bool) -> Vec<Point<2>> {
+        let mut random = stream(5, "nearest", u64::from(lattice));
+        (0..n)
+            .map(|_| {
+                [(); 2].map(|()| {
+                    let u = open_unit(&mut random);
+                    if lattice {
+                        (u * 12.0).floor() / 12.0
+                    } else {
+                        u * u
+                    }
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn ranks_are_those_of_a_sorted_list() {
+        let targets = [[0.3, 0.2], [0.0, 0.0], [0.9, 0.95], [0.5, 0.5], [-3.0, 9.0]];
+        for lattice in [false, true] {
+            let points = points(700, lattice);
+            let sample = Sample::equal(points.clone(), Domain::whole()).expect("legal");
+            check(&Brute::new(&sample), &targets);
+            check(&Tree::new(&sample), &targets);
+            check(&Cells::new(&sample).expect("even enough"), &targets);
+            let line: Vec<Point<1>> = points.iter().map(|x| [x[0]]).collect();
+            let sample = Sample::equal(line, Domain::whole()).expect("legal");
+            check(&Sorted::new(&sample), &targets.map(|x| [x[0]]));
+        }
+    }
+
+    /// What a finder remembers of earlier questions changes neither which points are gathered nor their order.
+    #[test]
+    fn memory_of_the_last_place_changes_nothing() {
+        let sample = Sample::equal(points(3000, false), Domain::whole()).expect("legal");
+        let tree = Tree::new(&sample);
+        let cells = Cells::new(&sample).expect("even enough");
+        let finders: [&dyn Neighbours<2>; 2] = [&tree, &cells];
+        for finder in finders {
+            let mut used = Nearest::default();
+            for i in 0..60 {
+                let target = [f64::from(i * 7 % 60) / 60.0, f64::from(i * 13 % 60) / 60.0];
+                used.gather(finder, target, 200);
+                let mut fresh = Nearest::default();
+                fresh.gather(finder, target, 200);
+                assert_eq!(used.placed, fresh.placed, "{}", finder.name());
+            }
+        }
+    }
+}
