@@ -7,6 +7,7 @@ mod density;
 mod doctor;
 mod engine;
 mod estimator;
+mod misprints;
 mod parametric;
 mod plane_density;
 mod plane_engine;

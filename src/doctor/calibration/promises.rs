@@ -17,42 +17,42 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Every promise; to add one, add a line.
 pub const PROMISES: &[Promise] = &[
     Promise {
-        name: "interval of a mean of 20 normal values",
+        name: "mean of 20 values: interval",
         meaning: Meaning::AsStated,
         kept: normal_mean,
     },
     Promise {
-        name: "interval of MISE from 200 samples",
+        name: "MISE, 200 samples: interval",
         meaning: Meaning::AsStated,
         kept: simulated_mise,
     },
     Promise {
-        name: "one-sided bound by bootstrap-t, 60 skewed values",
+        name: "bootstrap-t bound, 60 values",
         meaning: Meaning::AsStated,
         kept: bootstrap,
     },
     Promise {
-        name: "interval of a median of 101 values",
+        name: "median of 101: at least",
         meaning: Meaning::AtLeast,
         kept: median,
     },
     Promise {
-        name: "interval of a share of 60 trials",
+        name: "share of 60: at least",
         meaning: Meaning::AtLeast,
         kept: share,
     },
     Promise {
-        name: "E f̂ from 20 batches",
+        name: "E f̂, 20 batches: interval",
         meaning: Meaning::AsStated,
         kept: |subjects, seed| batches(subjects, seed, false),
     },
     Promise {
-        name: "f itself from 20 batches (bias is not covered)",
+        name: "f, 20 batches: not claimed",
         meaning: Meaning::NotClaimed,
         kept: |subjects, seed| batches(subjects, seed, true),
     },
     Promise {
-        name: "Kolmogorov-Smirnov test, 400 values",
+        name: "Kolmogorov-Smirnov, n = 400",
         meaning: Meaning::AsStated,
         kept: kolmogorov,
     },
@@ -62,12 +62,12 @@ pub const PROMISES: &[Promise] = &[
         kept: pearson,
     },
     Promise {
-        name: "z test of a mean, 400 values",
+        name: "z test of a mean, n = 400",
         meaning: Meaning::AsStated,
         kept: z_test,
     },
     Promise {
-        name: "z test of a variance, 2000 values",
+        name: "z test of variance, n = 2000",
         meaning: Meaning::AsStated,
         kept: variance_test,
     },
