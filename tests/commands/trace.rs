@@ -79,7 +79,7 @@ fn a_killed_trace_goes_on_where_it_was() {
         "trace",
         &room,
         "--photons",
-        "4e5",
+        "2e5",
         "--threads",
         "1",
         "-o",

@@ -34,6 +34,45 @@ impl Form {
     }
 }
 
+/// A register of a row. Closures and iterators would not be compiled for wide registers, so these are functions.
+#[inline(always)]
+fn row<S: Simd>(numbers: &[f64; LANES], at: usize) -> S::f64s {
+    S::as_simd_f64s(numbers).0[at]
+}
+
+impl Form {
+    /// n·v for a direction.
+    #[inline(always)]
+    fn along<S: Simd>(&self, simd: S, v: &[S::f64s; 3], at: usize) -> S::f64s {
+        let x = simd.mul_f64s(row::<S>(&self.slope[0], at), v[0]);
+        let xy = simd.mul_add_e_f64s(row::<S>(&self.slope[1], at), v[1], x);
+        simd.mul_add_e_f64s(row::<S>(&self.slope[2], at), v[2], xy)
+    }
+
+    /// n·p + c for a place.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, p: &[S::f64s; 3], at: usize) -> S::f64s {
+        let offset = row::<S>(&self.offset, at);
+        let x = simd.mul_add_e_f64s(row::<S>(&self.slope[0], at), p[0], offset);
+        let xy = simd.mul_add_e_f64s(row::<S>(&self.slope[1], at), p[1], x);
+        simd.mul_add_e_f64s(row::<S>(&self.slope[2], at), p[2], xy)
+    }
+
+    /// The form where the ray meets the plane, times `across`.
+    #[inline(always)]
+    fn met<S: Simd>(
+        &self,
+        simd: S,
+        beam: &Beam<S>,
+        ahead: S::f64s,
+        across: S::f64s,
+        at: usize,
+    ) -> S::f64s {
+        let start = simd.mul_f64s(self.at(simd, &beam.origin, at), across);
+        simd.mul_add_e_f64s(ahead, self.along(simd, &beam.direction, at), start)
+    }
+}
+
 /// Up to eight facets; places not taken hold forms that are 0 and are met by no ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Group {
@@ -81,12 +120,23 @@ pub(super) struct Beam<S: Simd> {
 impl<S: Simd> Beam<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
-        let three = |v: Vector| [v.x, v.y, v.z].map(|x| simd.splat_f64s(x));
+        let (o, d) = (ray.origin, ray.direction);
         Self {
-            origin: three(ray.origin),
-            direction: three(ray.direction),
+            origin: [
+                simd.splat_f64s(o.x),
+                simd.splat_f64s(o.y),
+                simd.splat_f64s(o.z),
+            ],
+            direction: [
+                simd.splat_f64s(d.x),
+                simd.splat_f64s(d.y),
+                simd.splat_f64s(d.z),
+            ],
             // padding has number −1, so nothing is left out twice
-            leaving: simd.splat_f64s(ray.leaving.map_or(-1.0, f64::from)),
+            leaving: simd.splat_f64s(match ray.leaving {
+                Some(number) => f64::from(number),
+                None => -1.0,
+            }),
         }
     }
 }
@@ -111,58 +161,40 @@ impl<S: Simd> Best<S> {
     /// Tries the facets of a group.
     #[inline(always)]
     pub(super) fn try_group(&mut self, simd: S, beam: &Beam<S>, group: &Group) {
-        let row = |numbers: &[f64; LANES], at: usize| S::as_simd_f64s(numbers).0[at];
-        let along = |form: &Form, v: &[S::f64s; 3], at: usize| {
-            let x = simd.mul_f64s(row(&form.slope[0], at), v[0]);
-            let xy = simd.mul_add_e_f64s(row(&form.slope[1], at), v[1], x);
-            simd.mul_add_e_f64s(row(&form.slope[2], at), v[2], xy)
-        };
-        let place = |form: &Form, at: usize| {
-            let o = &beam.origin;
-            let x = simd.mul_add_e_f64s(row(&form.slope[0], at), o[0], row(&form.offset, at));
-            let xy = simd.mul_add_e_f64s(row(&form.slope[1], at), o[1], x);
-            simd.mul_add_e_f64s(row(&form.slope[2], at), o[2], xy)
-        };
         let zero = simd.splat_f64s(0.0);
         let low = simd.splat_f64s(-REACH);
         let high = simd.splat_f64s(1.0 + REACH);
-        for at in 0..LANES / S::F64_LANES {
-            let across = along(&group.above, &beam.direction, at);
+        let mut at = 0;
+        while at < LANES / S::F64_LANES {
+            let across = group.above.along(simd, &beam.direction, at);
             // −above · sign(across): positive where the plane lies ahead
             let sign = simd.greater_than_f64s(across, zero);
-            let above = place(&group.above, at);
+            let above = group.above.at(simd, &beam.origin, at);
             let ahead = simd.select_f64s(sign, simd.neg_f64s(above), above);
             let across = simd.abs_f64s(across);
-            let coordinate = |form: &Form| {
-                simd.mul_add_e_f64s(
-                    ahead,
-                    along(form, &beam.direction, at),
-                    simd.mul_f64s(place(form, at), across),
-                )
-            };
-            let (s, t) = (coordinate(&group.first), coordinate(&group.second));
-            let share = row(&group.share, at);
+            let s = group.first.met(simd, beam, ahead, across, at);
+            let t = group.second.met(simd, beam, ahead, across, at);
+            let share = row::<S>(&group.share, at);
             let (least, most) = (simd.mul_f64s(low, across), simd.mul_f64s(high, across));
-            let number = row(&group.number, at);
-            let inside = [
-                simd.greater_than_f64s(ahead, zero),
-                simd.greater_than_or_equal_f64s(s, least),
-                simd.greater_than_or_equal_f64s(t, least),
-                simd.less_than_or_equal_f64s(simd.mul_add_e_f64s(share, t, s), most),
-                simd.less_than_or_equal_f64s(simd.mul_add_e_f64s(share, s, t), most),
-                simd.less_than_f64s(
-                    simd.mul_f64s(ahead, self.across),
-                    simd.mul_f64s(self.above, across),
-                ),
-                simd.not_m64s(simd.equal_f64s(number, beam.leaving)),
-            ];
-            let nearer = inside
-                .into_iter()
-                .reduce(|a, b| simd.and_m64s(a, b))
-                .expect("seven conditions");
+            let number = row::<S>(&group.number, at);
+            let mut nearer = simd.greater_than_f64s(ahead, zero);
+            nearer = simd.and_m64s(nearer, simd.greater_than_or_equal_f64s(s, least));
+            nearer = simd.and_m64s(nearer, simd.greater_than_or_equal_f64s(t, least));
+            let sum = simd.mul_add_e_f64s(share, t, s);
+            nearer = simd.and_m64s(nearer, simd.less_than_or_equal_f64s(sum, most));
+            let sum = simd.mul_add_e_f64s(share, s, t);
+            nearer = simd.and_m64s(nearer, simd.less_than_or_equal_f64s(sum, most));
+            let (here, before) = (
+                simd.mul_f64s(ahead, self.across),
+                simd.mul_f64s(self.above, across),
+            );
+            nearer = simd.and_m64s(nearer, simd.less_than_f64s(here, before));
+            let left = simd.equal_f64s(number, beam.leaving);
+            nearer = simd.and_m64s(nearer, simd.not_m64s(left));
             self.above = simd.select_f64s(nearer, ahead, self.above);
             self.across = simd.select_f64s(nearer, across, self.across);
             self.number = simd.select_f64s(nearer, number, self.number);
+            at += 1;
         }
     }
 

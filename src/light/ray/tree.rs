@@ -81,7 +81,6 @@ impl Bounds {
             let a = (self.low[axis] - origin[axis]) * inverse[axis];
             let b = (self.high[axis] - origin[axis]) * inverse[axis];
             let (near, far) = if a < b { (a, b) } else { (b, a) };
-            // 0 × ∞ on the side of a box is no bound
             enter = if near > enter { near } else { enter };
             leave = if far < leave { far } else { leave };
         }
@@ -223,7 +222,9 @@ impl Tree {
     #[inline(always)]
     pub(super) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, limit: f64) -> Option<Found> {
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
-        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z].map(f64::recip);
+        // finite, as 0 × ∞ on the side of a box would be no number
+        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z]
+            .map(|x| x.recip().clamp(-f64::MAX, f64::MAX));
         let beam = Beam::new(simd, ray);
         let mut found: Option<Found> = None;
         let mut limit = limit;

@@ -89,6 +89,9 @@ pub enum SceneError {
     /// Two surfaces of one name.
     #[error("two surfaces are named \"{0}\"")]
     Name(String),
+    /// More than hits can tell apart.
+    #[error("{0} surfaces; a scene has at most 65535, and meshes for more")]
+    Many(usize),
     /// Nothing shines.
     #[error("no surface emits light")]
     Dark,
@@ -121,6 +124,9 @@ impl Scene {
     pub fn new(surfaces: Vec<Surface>, colour: Colour, open: bool) -> Result<Self, SceneError> {
         if surfaces.is_empty() {
             return Err(SceneError::Empty);
+        }
+        if surfaces.len() > usize::from(u16::MAX) {
+            return Err(SceneError::Many(surfaces.len()));
         }
         for (index, surface) in surfaces.iter().enumerate() {
             if surfaces[..index].iter().any(|s| s.name == surface.name) {
