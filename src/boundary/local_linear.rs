@@ -98,8 +98,8 @@ impl<const D: usize> Boundary<D> for LocalLinear {
             mass_conserving: false,
             non_negative: self.positive,
             linear: !self.positive,
-            // in the positive version only as far as the two estimates that it mixes agree
-            reproduces_constants: !self.positive,
+            // where data are even the two estimates that the positive version mixes agree
+            reproduces_constants: true,
             reproduces_lines: !self.positive,
         }
     }

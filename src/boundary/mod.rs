@@ -66,9 +66,9 @@ pub struct Promises {
     pub non_negative: bool,
     /// Linear in the weights.
     pub linear: bool,
-    /// E f̂ = f for a uniform density.
+    /// Even data give an even estimate; for a linear treatment that is E f̂ = f for a uniform density.
     pub reproduces_constants: bool,
-    /// E f̂ = f for every linear density.
+    /// Data on a slope give that slope; for a linear treatment that is E f̂ = f for every linear density.
     pub reproduces_lines: bool,
 }
 

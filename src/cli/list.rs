@@ -6,12 +6,14 @@ use super::stop::Stop;
 use crate::boundary;
 use crate::density;
 use crate::engine::{Binned, Direct, Engine, Hermite};
-use crate::experiment::catalogue::ESTIMATORS;
+use crate::experiment::catalogue::{ESTIMATORS, Entry};
+use crate::experiment::settings::{Promise, promises};
 use crate::kernel::{Kernel, Shape};
 use crate::parameter::{Absent, Parameter};
 use crate::selector;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Show what can be named: densities, estimators, kernels, ...
@@ -19,7 +21,7 @@ use std::path::Path;
 #[command(after_help = "\
 Examples:
   lab list
-  lab list estimators                             with their parameters
+  lab list estimators                             with their laws, cost, source and parameters
   lab list densities --json | jq -r '.[].name'")]
 pub struct List {
     /// One kind only; with its details
@@ -63,7 +65,28 @@ struct Row {
     #[serde(skip_serializing_if = "str::is_empty")]
     reference: &'static str,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    laws: Vec<Kept>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     parameters: Vec<Setting>,
+}
+
+/// What it promises somewhere.
+#[derive(Serialize)]
+struct Kept {
+    /// `line`, `plane` or both.
+    space: Vec<&'static str>,
+    laws: Vec<Law>,
+}
+
+/// One promise.
+#[derive(PartialEq, Serialize)]
+struct Law {
+    name: &'static str,
+    /// With a number for the smoothing and defaults for the rest.
+    holds: bool,
+    /// The settings that change this.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    unless: BTreeMap<&'static str, Vec<String>>,
 }
 
 /// One parameter of it.
@@ -83,6 +106,7 @@ impl Row {
             summary: summary.into(),
             cost: "",
             reference: "",
+            laws: Vec::new(),
             parameters: Vec::new(),
         }
     }
@@ -141,6 +165,9 @@ fn details(output: &mut Output, rows: &[Row]) -> Result<(), Stop> {
                 writeln!(output, "    {label}: {text}")?;
             }
         }
+        for kept in &row.laws {
+            laws(output, kept)?;
+        }
         let width = width(row.parameters.iter().map(|setting| setting.name));
         for setting in &row.parameters {
             let Setting {
@@ -155,6 +182,66 @@ fn details(output: &mut Output, rows: &[Row]) -> Result<(), Stop> {
         }
     }
     Ok(())
+}
+
+/// What holds, then each exception on a line of its own.
+fn laws(output: &mut Output, kept: &Kept) -> Result<(), Stop> {
+    let space = match kept.space[..] {
+        ["line"] => "on a line",
+        ["plane"] => "in the plane",
+        _ => "on a line and in the plane",
+    };
+    let holding: Vec<&str> = kept
+        .laws
+        .iter()
+        .filter(|law| law.holds)
+        .map(|law| law.name)
+        .collect();
+    let holding = if holding.is_empty() {
+        "none".to_owned()
+    } else {
+        holding.join(", ")
+    };
+    writeln!(output, "    laws {space}: {holding}")?;
+    for law in kept.laws.iter().filter(|law| !law.unless.is_empty()) {
+        let settings: Vec<String> = law
+            .unless
+            .iter()
+            .map(|(parameter, values)| format!("{parameter} = {}", values.join(" | ")))
+            .collect();
+        let but = if law.holds { "not " } else { "" };
+        writeln!(
+            output,
+            "      {but}{} with {}",
+            law.name,
+            settings.join(", ")
+        )?;
+    }
+    Ok(())
+}
+
+/// What an estimator promises on the line and in the plane, together where it is the same.
+fn kept(entry: &Entry) -> Vec<Kept> {
+    let laws = |promises: Vec<Promise>| -> Vec<Law> {
+        promises
+            .into_iter()
+            .map(|promise| Law {
+                name: promise.law,
+                holds: promise.holds,
+                unless: promise.unless.into_iter().collect(),
+            })
+            .collect()
+    };
+    let (line, plane) = (laws(promises::<1>(entry)), laws(promises::<2>(entry)));
+    let all = if line == plane {
+        vec![(vec!["line", "plane"], line)]
+    } else {
+        vec![(vec!["line"], line), (vec!["plane"], plane)]
+    };
+    all.into_iter()
+        .filter(|(_, laws)| !laws.is_empty())
+        .map(|(space, laws)| Kept { space, laws })
+        .collect()
 }
 
 fn rows(family: Family, notes: Notes) -> Result<Vec<Row>, Stop> {
@@ -172,6 +259,7 @@ fn rows(family: Family, notes: Notes) -> Result<Vec<Row>, Stop> {
             .map(|entry| Row {
                 cost: entry.cost,
                 reference: entry.reference,
+                laws: kept(entry),
                 parameters: settings(entry.parameters),
                 ..Row::new(entry.name, entry.summary)
             })

@@ -62,6 +62,8 @@ impl Estimator<2> for FrequencyPolygonPlane {
             mass_conserving: true,
             non_negative: true,
             linear: true,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: true,
             deterministic: true,
             scale_equivariant: true,

@@ -101,6 +101,8 @@ impl Estimator<1> for GeneralisedHistogram {
             mass_conserving: true,
             non_negative: self.degree == 0,
             linear: true,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: false,
             deterministic: true,
             scale_equivariant: true,

@@ -125,6 +125,8 @@ where
             mass_conserving: false,
             non_negative: true,
             linear: false,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: self.profile.fades(),
             deterministic: true,
             scale_equivariant: true,

@@ -112,6 +112,8 @@ impl Estimator<2> for HistogramPlane {
             mass_conserving: true,
             non_negative: true,
             linear: true,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: false,
             deterministic: true,
             scale_equivariant: true,

@@ -17,6 +17,7 @@ mod generalised_nearest_neighbour;
 mod histogram;
 mod histogram_plane;
 mod kde;
+mod laws;
 mod naive;
 mod nearest_neighbour;
 mod nested;
@@ -40,6 +41,7 @@ pub use generalised_nearest_neighbour::GeneralisedNearestNeighbour;
 pub use histogram::Histogram;
 pub use histogram_plane::HistogramPlane;
 pub use kde::Kde;
+pub use laws::Laws;
 pub use naive::Naive;
 pub use nearest_neighbour::NearestNeighbour;
 pub use nested::{BiasCompensated, Lepski, NestedTest, TwoStage};
@@ -57,33 +59,6 @@ use crate::sample::Sample;
 use crate::selector::SelectError;
 use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
 use std::sync::Arc;
-
-/// What an estimator promises of every estimate it makes. The law suite tests each promise, and fails what is kept but
-/// not promised just as what is promised but not kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "a list of independent promises"
-)]
-pub struct Laws {
-    /// Integrates to the mass of the sample (over the whole line, not only the domain).
-    pub mass_conserving: bool,
-    /// Never below zero.
-    pub non_negative: bool,
-    /// The estimate of a union is the weighted mean of the estimates, settings held fixed.
-    pub linear: bool,
-    /// Continuous in the target.
-    pub continuous: bool,
-    /// The same sample gives the same estimate, bit for bit.
-    pub deterministic: bool,
-    /// Multiplying all data by a and the targets likewise divides the estimate by a^D, if widths are chosen from the data or scaled along.
-    pub scale_equivariant: bool,
-    /// Moving data and targets alike changes nothing, if origins move along.
-    pub translation_equivariant: bool,
-    /// A point of weight 2w counts as two points of weight w at its place. Not so where a width is chosen from the effective size, which
-    /// is smaller for the one heavy point.
-    pub repeatable: bool,
-}
 
 /// Why a sample could not be fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -80,6 +80,8 @@ where
             non_negative: true,
             linear: false,
             // with unequal weights the mass jumps where one point takes the place of another
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: false,
             deterministic: true,
             scale_equivariant: true,

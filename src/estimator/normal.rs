@@ -40,6 +40,8 @@ const LAWS: Laws = Laws {
     mass_conserving: true,
     non_negative: true,
     linear: false,
+    reproduces_constants: false,
+    reproduces_linear: false,
     continuous: true,
     deterministic: true,
     scale_equivariant: true,

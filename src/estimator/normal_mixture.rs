@@ -206,6 +206,8 @@ impl Estimator<1> for NormalMixtureFit {
             mass_conserving: true,
             non_negative: true,
             linear: false,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: true,
             deterministic: true,
             scale_equivariant: true,

@@ -83,6 +83,8 @@ impl Estimator<2> for ShiftedHistogramPlane {
             mass_conserving: true,
             non_negative: true,
             linear: fixed,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: false,
             deterministic: true,
             scale_equivariant: true,

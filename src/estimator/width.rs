@@ -98,6 +98,8 @@ impl Width {
             mass_conserving: true,
             non_negative: true,
             linear: fixed,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: true,
             deterministic: true,
             scale_equivariant: true,

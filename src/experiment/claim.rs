@@ -31,6 +31,12 @@ pub enum Measure {
     OverBest,
     /// MISE over that of a kernel estimate with the best bandwidth at each place, which no estimate of one bandwidth can reach.
     OverLocalBest,
+    /// ∫f̂ of points spread evenly between walls, over their mass: see [`super::character`].
+    Mass,
+    /// The estimate of these points beside a wall, over the density there.
+    Wall,
+    /// The largest jump of the estimate of the first sample, over its range of values.
+    Jump,
     /// The exact expectation of [`Measure::Mise`], by theory.
     ExactMise,
     /// The exact ∫ bias².
@@ -41,7 +47,7 @@ pub enum Measure {
 
 impl Measure {
     /// All measures.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::Mise,
         Self::Miae,
         Self::Mire,
@@ -53,6 +59,9 @@ impl Measure {
         Self::Smoothing,
         Self::OverBest,
         Self::OverLocalBest,
+        Self::Mass,
+        Self::Wall,
+        Self::Jump,
         Self::ExactMise,
         Self::ExactBias2,
         Self::ExactVariance,
@@ -72,10 +81,18 @@ impl Measure {
             Self::Smoothing => "smoothing",
             Self::OverBest => "over-best",
             Self::OverLocalBest => "over-local-best",
+            Self::Mass => "mass",
+            Self::Wall => "wall",
+            Self::Jump => "jump",
             Self::ExactMise => "exact-mise",
             Self::ExactBias2 => "exact-bias2",
             Self::ExactVariance => "exact-variance",
         }
+    }
+
+    /// Whether it is a single number without chance, measured on a probe where a `comparison-table` or a claim asks for it; only on a line.
+    pub fn is_probe(self) -> bool {
+        matches!(self, Self::Mass | Self::Wall | Self::Jump)
     }
 
     /// Whether theory gives it, not the replicates.
@@ -452,7 +469,7 @@ impl Statement {
             Self::Oracle { .. } => true,
             Self::Below { measure, .. }
             | Self::Equals { measure, .. }
-            | Self::Slope { measure, .. } => measure.is_exact(),
+            | Self::Slope { measure, .. } => measure.is_exact() || measure.is_probe(),
             _ => false,
         }
     }

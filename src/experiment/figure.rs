@@ -96,4 +96,6 @@ pub enum FigureKind {
     Coverage {},
     /// Measured and theoretical efficiency of each kernel.
     Efficiency {},
+    /// A table: does an estimator keep mass, what does it do at walls, does it jump, does it adapt, what does it cost.
+    ComparisonTable {},
 }

@@ -9,6 +9,7 @@
 
 pub mod budget;
 pub mod catalogue;
+pub mod character;
 mod claim;
 pub mod difference;
 mod figure;
@@ -21,6 +22,7 @@ pub mod region;
 pub mod results;
 pub mod run;
 pub mod schema;
+pub mod settings;
 pub mod stop;
 mod summary;
 pub mod table;

@@ -1,9 +1,10 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
+use super::character::character;
 use super::ladder::{self, Ladder};
 use super::run::{Bench, Cell, Failure, Finished, Record, Replicate};
 use super::uncertainty::Said;
-use super::{Experiment, Measure};
+use super::{Experiment, FigureKind, Measure, Statement};
 use crate::accuracy::{Coverage, Interval, Tally, coverage_with_bias, mean_interval};
 use crate::numeric::Sum;
 use crate::space::{Grid, Point, Warning};
@@ -255,6 +256,7 @@ impl<const D: usize> Results<D> {
                 .or_default()
                 .push(record);
         }
+        let compared = compares(experiment);
         let mut groups = Vec::new();
         for (source, spec) in experiment.sources.iter().enumerate() {
             for (size, setting) in bench.settings(source).iter().enumerate() {
@@ -276,7 +278,10 @@ impl<const D: usize> Results<D> {
                 let ladders = ladder::climb(bench, source, size);
                 for (e, known) in exact.into_iter().zip(ladders).enumerate() {
                     let blocks = records.remove(&(source, size, e)).unwrap_or_default();
-                    let outcome = gather_one(experiment, e, blocks, known, &group);
+                    let mut outcome = gather_one(experiment, e, blocks, known, &group);
+                    if compared {
+                        characterise(bench, &group, e, &mut outcome);
+                    }
                     group.outcomes.push(outcome);
                 }
                 groups.push(group);
@@ -286,6 +291,46 @@ impl<const D: usize> Results<D> {
             groups,
             warnings: finished.warnings,
             failures: finished.failures,
+        }
+    }
+}
+
+/// Whether a figure or a claim asks what estimators are like.
+fn compares(experiment: &Experiment) -> bool {
+    let by_figure = experiment
+        .figures
+        .iter()
+        .any(|figure| matches!(figure.kind, FigureKind::ComparisonTable {}));
+    let by_claim = experiment
+        .claims
+        .iter()
+        .any(|claim| match &claim.statement {
+            Statement::Below { measure, .. } | Statement::Equals { measure, .. } => {
+                measure.is_probe()
+            }
+            _ => false,
+        });
+    by_figure || by_claim
+}
+
+/// Adds what the probes say.
+fn characterise<const D: usize>(
+    bench: &Bench<D>,
+    group: &Group<D>,
+    estimator: usize,
+    outcome: &mut Outcome,
+) {
+    let estimator = &bench.setting(group.source, group.size).estimators[estimator];
+    let Ok(first) = bench.sample(group.source, group.size, 0) else {
+        return;
+    };
+    if let Some(found) = character(&**estimator, &group.grid, group.draws, &first) {
+        for (measure, value) in [
+            (Measure::Mass, found.mass),
+            (Measure::Wall, found.wall),
+            (Measure::Jump, found.jump),
+        ] {
+            outcome.measures.insert(measure, Interval::exact(value));
         }
     }
 }

@@ -207,6 +207,7 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::Densities {} => "densities",
         FigureKind::Efficiency {} => "efficiency",
         FigureKind::Uncertainty { .. } => "uncertainty",
+        FigureKind::ComparisonTable {} => "comparison-table",
         FigureKind::Maps { .. } => "maps",
         FigureKind::Unfolded { .. } => "unfolded",
         FigureKind::Section { .. } => "section",

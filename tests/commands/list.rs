@@ -141,3 +141,47 @@ fn colours_are_for_terminals() {
         .ends_with(2);
     assert!(!plain.stderr.contains('\u{1b}'), "{plain}");
 }
+
+/// Laws come from the estimators themselves, with the settings that change them.
+#[test]
+fn estimators_are_listed_with_what_they_promise() {
+    let listed = Bench::new()
+        .run(&["list", "estimators", "--json"])
+        .succeeds()
+        .json();
+    let of = |name: &str| {
+        let rows = listed.as_array().unwrap();
+        rows.iter().find(|row| row["name"] == name).unwrap().clone()
+    };
+    let law = |row: &serde_json::Value, space: &str, name: &str| {
+        let laws = row["laws"].as_array().unwrap();
+        let here = laws.iter().find(|laws| {
+            let spaces = laws["space"].as_array().unwrap();
+            spaces.iter().any(|known| known == space)
+        });
+        let laws = here.unwrap()["laws"].as_array().unwrap();
+        laws.iter().find(|law| law["name"] == name).unwrap().clone()
+    };
+    let kernel = of("kernel");
+    for space in ["line", "plane"] {
+        let mass = law(&kernel, space, "mass-conserving");
+        assert_eq!(mass["holds"], true, "{mass}");
+        let treatments = mass["unless"]["boundary"].as_array().unwrap();
+        assert!(treatments.iter().any(|t| t == "normalise"), "{mass}");
+        assert!(!treatments.iter().any(|t| t == "reflect"), "{mass}");
+        let even = law(&kernel, space, "reproduces-constants");
+        assert_eq!(even["holds"], false, "{even}");
+        let treatments = even["unless"]["boundary"].as_array().unwrap();
+        assert!(treatments.iter().any(|t| t == "local-linear"), "{even}");
+        let linear = law(&kernel, space, "linear");
+        assert_eq!(linear["unless"]["bandwidth"][0], "a rule", "{linear}");
+    }
+    let nearest = of("nearest-neighbour");
+    assert_eq!(law(&nearest, "plane", "mass-conserving")["holds"], false);
+    assert!(law(&nearest, "line", "mass-conserving")["unless"].is_null());
+    let text = Bench::new().run(&["list", "estimators"]).succeeds();
+    text.prints("    laws on a line and in the plane: ")
+        .prints("      reproduces-constants with boundary = ")
+        .prints("    cost: ")
+        .prints("    source: ");
+}

@@ -161,6 +161,8 @@ impl<const D: usize> Abramson<D> {
             mass_conserving: true,
             non_negative: true,
             linear: fixed && !adapts,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: self.shape != Shape::Uniform,
             deterministic: true,
             scale_equivariant: true,

@@ -188,6 +188,8 @@ impl<const D: usize> Estimator<D> for Command {
             mass_conserving: false,
             non_negative: false,
             linear: false,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: false,
             deterministic: false,
             scale_equivariant: false,

@@ -66,10 +66,14 @@ impl<const D: usize> Field<D> for NonNegative<D> {
 
 impl<const D: usize> Kde<D> {
     pub(super) fn promises(&self) -> Laws {
+        let walls = self.boundary.promises();
         Laws {
-            mass_conserving: true,
-            non_negative: true,
-            linear: matches!(self.width, Width::Numbers(_)),
+            // what is laid beyond walls that are ignored is there
+            mass_conserving: !self.corrected || walls.mass_conserving,
+            non_negative: walls.non_negative,
+            linear: walls.linear && matches!(self.width, Width::Numbers(_)),
+            reproduces_constants: walls.reproduces_constants,
+            reproduces_linear: walls.reproduces_lines,
             continuous: self.shape != Shape::Uniform,
             deterministic: true,
             scale_equivariant: true,
@@ -146,6 +150,10 @@ impl<const D: usize> Kde<D> {
                     planned.expect("only known engines are built in"),
                 ))
             };
+            if sum.sample().mass() <= 0.0 {
+                // a dark channel: there is nothing to mirror or to divide
+                return Ok(compute(sum).into());
+            }
             Ok(boundary::apply(&*self.boundary, sum, &compute)?.into())
         };
         let mut estimate = Estimate::new(field(sample.clone())?).with_channels(

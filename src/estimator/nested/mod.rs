@@ -268,6 +268,8 @@ const LAWS: Laws = Laws {
     mass_conserving: false,
     non_negative: true,
     linear: false,
+    reproduces_constants: false,
+    reproduces_linear: false,
     continuous: false,
     deterministic: true,
     scale_equivariant: true,

@@ -45,6 +45,8 @@ pub trait System: Basis {
     const FEJER_IS_POSITIVE: bool;
     /// What theory calls it.
     const SYSTEM: theory::System;
+    /// Whether the first two functions are a constant and a line.
+    const HAS_LINES: bool;
 }
 
 impl System for Cosine {
@@ -54,6 +56,7 @@ impl System for Cosine {
     const REFERENCE: &'static str = "Čencov 1962; Kronmal & Tarter 1968";
     const FEJER_IS_POSITIVE: bool = true;
     const SYSTEM: theory::System = theory::System::Cosine;
+    const HAS_LINES: bool = false;
 }
 
 impl System for Legendre {
@@ -62,6 +65,7 @@ impl System for Legendre {
     const REFERENCE: &'static str = "Čencov 1962; Hall 1982, Annals of Statistics 10";
     const FEJER_IS_POSITIVE: bool = false;
     const SYSTEM: theory::System = theory::System::Legendre;
+    const HAS_LINES: bool = true;
 }
 
 impl System for Fourier {
@@ -70,7 +74,11 @@ impl System for Fourier {
     const REFERENCE: &'static str = "Kronmal & Tarter 1968; Hall 1981, Annals of Statistics 9";
     const FEJER_IS_POSITIVE: bool = true;
     const SYSTEM: theory::System = theory::System::Fourier;
+    const HAS_LINES: bool = false;
 }
+
+/// A function of which a taper leaves this share is there: what reproduces lines does so to half a percent.
+const WHOLE: f64 = 0.995;
 
 impl<B: System> IntervalSeries<B> {
     /// The interval on one axis of a domain, if it has two ends in order.
@@ -91,6 +99,15 @@ impl<B: System> IntervalSeries<B> {
         }
     }
 
+    /// Whether the second function of an axis is there for certain, and whole.
+    fn keeps_the_second(&self) -> bool {
+        match self.length.fixed() {
+            Some(terms) => terms >= 2 && self.length.taper.weight(1, terms) >= WHOLE,
+            // whatever is chosen, data on a slope ask for it
+            None => self.length.taper == Taper::None,
+        }
+    }
+
     fn promises(&self) -> Laws {
         let fixed = self.length.fixed().is_some();
         Laws {
@@ -98,6 +115,9 @@ impl<B: System> IntervalSeries<B> {
             mass_conserving: self.whole(),
             non_negative: self.positive(),
             linear: fixed,
+            // the constant is one of the functions, and even data have no share in the others
+            reproduces_constants: true,
+            reproduces_linear: B::HAS_LINES && self.keeps_the_second(),
             // it ends at the ends
             continuous: false,
             deterministic: true,

@@ -40,6 +40,8 @@ impl Estimator<1> for HermiteSeries {
             // one bell
             non_negative: self.length.fixed() == Some(1),
             linear: fixed && self.fixed().is_some(),
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: true,
             deterministic: true,
             scale_equivariant: true,
@@ -103,6 +105,8 @@ impl Estimator<2> for HermiteSeries {
             non_negative: fixed == Some(1),
             // the data place the functions
             linear: false,
+            reproduces_constants: false,
+            reproduces_linear: false,
             continuous: true,
             deterministic: true,
             scale_equivariant: true,

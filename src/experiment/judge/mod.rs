@@ -338,7 +338,8 @@ fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> O
             .outcomes
             .iter()
             .any(|outcome| outcome.replicates.len() < 2 || (parts && outcome.blocks.len() < 3));
-    (!measure.is_exact() && few).then(|| "too few replicates for an interval".to_owned())
+    (!measure.is_exact() && !measure.is_probe() && few)
+        .then(|| "too few replicates for an interval".to_owned())
 }
 
 /// A number as a sentence gives it: four significant digits.

@@ -187,7 +187,8 @@ fn measured(
     let form = form(reader, entry, measure)?;
     let exact = measure.is_exact();
     // A data file is one sample: what is measured on it is a plain number without an interval.
-    let replicated = !exact && (setting.truth != Some(false) || form.key == "count");
+    let replicated =
+        !exact && !measure.is_probe() && (setting.truth != Some(false) || form.key == "count");
     let demanded = setting.demand(
         reader,
         &entry.key_span(),

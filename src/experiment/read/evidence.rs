@@ -92,9 +92,13 @@ fn widest(
             setting.power,
             "an estimate that is zero everywhere is no more than ∫f² wrong",
         ),
-        Measure::Miae | Measure::Energy => {
+        Measure::Miae | Measure::Energy | Measure::Mass | Measure::Wall => {
             (Some(1.0), "an estimate that is zero everywhere is 1 wrong")
         }
+        Measure::Jump => (
+            Some(1.0),
+            "no jump is larger than the range of the estimate",
+        ),
         Measure::Modes => (Some(1.0), "it lets one mode be none"),
         Measure::Mire
         | Measure::Bias

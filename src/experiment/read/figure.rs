@@ -280,6 +280,7 @@ fn resolve(
         }
         "densities" => Some(FigureKind::Densities {}),
         "efficiency" => Some(FigureKind::Efficiency {}),
+        "comparison-table" => Some(FigureKind::ComparisonTable {}),
         "uncertainty" => {
             if setting.uncertainties.is_empty() {
                 reader.report(

@@ -3,6 +3,7 @@
 //! Figures and page are drawn from results alone; nothing is simulated here. The only estimates computed are those of the first
 //! sample, which is drawn again from its own random stream.
 
+mod comparison;
 mod convergence;
 mod coverage;
 mod efficiency;
@@ -32,6 +33,7 @@ use crate::kernel::{Bandwidth, Shape};
 use crate::report::page::Slider;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use crate::storage::write_atomically;
+use comparison::Comparison;
 
 /// Everything that the paper is written from.
 pub struct Material<'a, const D: usize = 1> {
@@ -140,6 +142,7 @@ where
         costs,
     } = Paper::illustrate(material)?;
     let first: Vec<&[Vec<f64>]> = first.iter().map(Vec::as_slice).collect();
+    let comparison = Comparison::of(material)?;
     let tables = folder.fresh("tables")?;
     for table in [
         table::summary(results),
@@ -150,6 +153,7 @@ where
         table::coverage(bench.experiment(), results),
         table::claims(bench.experiment(), verdicts),
         table::uncertainties(bench.experiment(), results),
+        comparison.timings(),
     ] {
         if !table.rows.is_empty() {
             table.write(&tables)?;
@@ -160,7 +164,7 @@ where
         let path = figures.join(format!("{:02}-{}.svg", number + 1, picture.slug));
         write_atomically(&path, picture.svg.as_str().as_bytes())?;
     }
-    let page = page::compose(material, slider, drawn, &costs);
+    let page = page::compose(material, slider, drawn, &costs, comparison.tables);
     write_atomically(&folder.path().join("report.html"), page.as_bytes())?;
     manifest::write(
         folder.path(),

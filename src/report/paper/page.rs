@@ -10,7 +10,7 @@ use crate::experiment::results::Group;
 use crate::experiment::{Measure, SourceSpec};
 use crate::random::GENERATOR;
 use crate::report::figure::{Axis, Sweep};
-use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Verdict, Warning};
+use crate::report::page::{self, Errors, Figure, Page, Slider, Step, Table, Verdict, Warning};
 use crate::report::text::minus;
 
 pub(super) fn compose<const D: usize>(
@@ -18,9 +18,11 @@ pub(super) fn compose<const D: usize>(
     slider: Option<Slider>,
     pictures: Vec<Picture>,
     costs: &[Vec<f64>],
+    comparisons: Vec<Table>,
 ) -> String {
     let experiment = material.bench.experiment();
-    let tables = tables::all(material);
+    let mut tables = comparisons;
+    tables.extend(tables::all(material));
     Page {
         question: experiment.question.clone(),
         notes: experiment.notes.clone(),

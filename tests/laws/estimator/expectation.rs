@@ -1,6 +1,6 @@
 //! Monte Carlo against `expectation()`: the mean and the variance that an estimator claims for itself, over many samples.
 
-use super::cases::{Subject, catalogue, fixed};
+use super::subject::{Subject, catalogue, fixed};
 use crate::chance::{holm, two_sided};
 use density_lab::density::named;
 use density_lab::estimator::{Estimator, Moments};
@@ -89,7 +89,9 @@ fn claimed(estimator: &dyn Estimator<1>, draws: usize) -> Option<Vec<Moments>> {
 #[test]
 fn what_estimators_claim_to_expect_is_what_happens() {
     let kinds = kinds();
-    let subjects: Vec<Subject> = catalogue().into_iter().filter(fixed).collect();
+    // other engines expect the same
+    let owed = |subject: &Subject<1>| fixed(subject) && !subject.computed_otherwise;
+    let subjects: Vec<Subject<1>> = catalogue::<1>().into_iter().filter(owed).collect();
     let mut tested = Vec::new();
     let mut p = Vec::new();
     for subject in &subjects {
@@ -97,7 +99,7 @@ fn what_estimators_claim_to_expect_is_what_happens() {
         for kind in &kinds {
             let claims = claimed(&*estimator, kind.effective)
                 .unwrap_or_else(|| panic!("{} knows no expectation", subject.name));
-            let found = p_values(&*estimator, &claims, kind, 20_000);
+            let found = p_values(&*estimator, &claims, kind, 12_000);
             tested.extend(found.iter().map(|_| &subject.name));
             p.extend(found);
         }
@@ -121,12 +123,14 @@ fn what_estimators_claim_to_expect_is_what_happens() {
 
 #[test]
 fn data_driven_widths_claim_nothing() {
-    let claims: Vec<String> = catalogue()
+    let claims: Vec<String> = catalogue::<1>()
         .iter()
         .filter(|subject| {
             !subject.plain().laws().linear
                 // whose width is data-driven by definition, and whose distribution is known: judged in tests/nearest_neighbour.rs
                 && !subject.name.starts_with("nearest-neighbour {")
+                // linear where there are no walls, as here
+                && !subject.name.contains("jones-foster")
                 && claimed(&*subject.plain(), 24).is_some()
         })
         .map(|subject| subject.name.clone())
@@ -138,7 +142,7 @@ fn data_driven_widths_claim_nothing() {
 #[test]
 fn planted_faults_are_noticed() {
     let kinds = kinds();
-    let all: Vec<Subject> = catalogue().into_iter().filter(fixed).collect();
+    let all: Vec<Subject<1>> = catalogue::<1>().into_iter().filter(fixed).collect();
     for start in [
         "histogram",
         "shifted-histogram",

@@ -154,6 +154,15 @@ pub(crate) const FORMS: &[Form] = &[
         title: "Estimated and true error",
     },
     Form {
+        name: "comparison-table",
+        summary: "a table in the report: mass, walls, jumps, error against the best width for each place, cost",
+        parameters: &[],
+        truth: true,
+        replicates: true,
+        only: Some(1),
+        title: "Comparison of density estimation methods",
+    },
+    Form {
         name: "maps",
         summary: "densities of the plane as colours: the truth, estimates of the first sample, their mean, its error",
         parameters: &[

@@ -1,19 +1,26 @@
-//! The laws of estimators, tried on the whole catalogue and on planted violators.
+//! The laws of estimators, tried on the whole catalogue, on the line and in the plane, and on planted violators.
 //!
 //! A law that an estimator promises must hold on every data set tried; a law that it does not promise must be seen broken on at least one, or the promise is
 //! missing. Laws without a promise hold for all. The data come from a fixed seed, so a failure repeats.
 
-mod cases;
+mod data;
 mod expectation;
 mod law;
 mod plane_expectation;
 mod planted;
+mod promised;
+mod reproduction;
+mod subject;
+mod universal;
+mod violations;
 
-use cases::{Data, Subject};
-use law::{LAWS, Law};
-use proptest::strategy::Strategy;
+use data::Data;
+use density_lab::experiment::catalogue::{Builds, ESTIMATORS, Entry};
+use law::Law;
+use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use subject::Subject;
 
 /// How a subject stands to a law.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,16 +49,18 @@ fn runner(cases: u32) -> TestRunner {
 }
 
 /// Tries one law on one subject.
-pub fn judge(subject: &Subject, law: &Law) -> Verdict {
+fn judge<const D: usize>(subject: &Subject<D>, law: &Law<D>) -> Verdict {
     let promised = law
         .promise
         .is_none_or(|promise| promise(&subject.plain().laws()));
     let mut runner = runner(law.cases);
-    let strategy = cases::data(law.data);
+    let strategy = data::data::<D>(law.data, law.walls);
     if promised {
-        let outcome = runner.run(&strategy, |data: Data| match (law.breach)(subject, &data) {
-            None => Ok(()),
-            Some(what) => Err(proptest::test_runner::TestCaseError::fail(what)),
+        let outcome = runner.run(&strategy, |data: Data<D>| {
+            match (law.breach)(subject, &data) {
+                None => Ok(()),
+                Some(what) => Err(proptest::test_runner::TestCaseError::fail(what)),
+            }
         });
         return match outcome {
             Ok(()) => Verdict::Kept,
@@ -60,8 +69,7 @@ pub fn judge(subject: &Subject, law: &Law) -> Verdict {
         };
     }
     // some breaches are rare, and the first one ends the search
-    for _ in 0..20 * law.cases {
-        use proptest::strategy::ValueTree;
+    for _ in 0..40 * law.cases {
         let data = strategy.new_tree(&mut runner).unwrap().current();
         if (law.breach)(subject, &data).is_some() {
             return Verdict::RightlyNotPromised;
@@ -98,50 +106,93 @@ fn find<T: Sync>(items: &[T], look: impl Fn(&T) -> Option<String> + Sync) -> Vec
     found.into_iter().map(|(_, what)| what).collect()
 }
 
-#[test]
-fn every_estimator_of_the_catalogue_keeps_its_promises_and_no_others() {
-    let subjects = cases::catalogue();
-    let pairs: Vec<(&Subject, &Law)> = subjects
+fn catalogue_keeps_the_laws<const D: usize>()
+where
+    Entry: Builds<D>,
+{
+    let subjects = subject::catalogue::<D>();
+    let laws = law::all::<D>();
+    let pairs: Vec<(&Subject<D>, &Law<D>)> = subjects
         .iter()
-        .flat_map(|subject| LAWS.iter().map(move |law| (subject, law)))
+        .flat_map(|subject| laws.iter().map(move |law| (subject, law)))
+        .filter(|(subject, law)| (law.applies)(subject))
         .collect();
-    let faults = find(&pairs, |(subject, law)| match judge(subject, law) {
-        Verdict::Kept | Verdict::RightlyNotPromised => None,
-        fault => Some(format!("{}: {}: {fault:?}", subject.name, law.name)),
+    let spent: Vec<(&str, std::sync::Mutex<f64>)> = laws
+        .iter()
+        .map(|law| (law.name, std::sync::Mutex::new(0.0)))
+        .collect();
+    let faults = find(&pairs, |(subject, law)| {
+        let start = std::time::Instant::now();
+        let verdict = judge(subject, law);
+        let clock = spent.iter().find(|(name, _)| *name == law.name).unwrap();
+        *clock.1.lock().unwrap() += start.elapsed().as_secs_f64();
+        match verdict {
+            Verdict::Kept | Verdict::RightlyNotPromised => None,
+            fault => Some(format!("{}: {}: {fault:?}", subject.name, law.name)),
+        }
     });
+    let estimators = ESTIMATORS
+        .iter()
+        .filter(|entry| Builds::<D>::builder(*entry).is_some())
+        .count();
     eprintln!(
-        "{} settings of {} estimators × {} laws = {} pairs, {} faults",
+        "{D}D: {} settings of {estimators} estimators × {} laws = {} pairs, {} faults",
         subjects.len(),
-        density_lab::experiment::catalogue::ESTIMATORS.len(),
-        LAWS.len(),
+        laws.len(),
         pairs.len(),
         faults.len()
     );
+    for (name, seconds) in &spent {
+        eprintln!("{D}D: {name}: {:.1} s", seconds.lock().unwrap());
+    }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
 #[test]
-fn every_planted_violation_is_caught_by_the_law_it_breaks() {
-    let planted = planted::all();
+fn every_estimator_of_the_line_keeps_its_promises_and_no_others() {
+    catalogue_keeps_the_laws::<1>();
+}
+
+#[test]
+fn every_estimator_of_the_plane_keeps_its_promises_and_no_others() {
+    catalogue_keeps_the_laws::<2>();
+}
+
+fn violations_are_caught<const D: usize>()
+where
+    Entry: Builds<D>,
+{
+    let planted = violations::all::<D>();
+    let laws = law::all::<D>();
     let missed = find(&planted, |(subject, expected)| {
-        let law = LAWS.iter().find(|law| law.name == *expected).unwrap();
+        let law = laws.iter().find(|law| law.name == *expected).unwrap();
         match judge(subject, law) {
             Verdict::Broken(_) | Verdict::KeptWithoutPromise => None,
             missed => Some(format!("{}: {expected}: {missed:?}", subject.name)),
         }
     });
     eprintln!(
-        "{} planted violations, {} missed",
+        "{D}D: {} planted violations, {} missed",
         planted.len(),
         missed.len()
     );
     assert!(missed.is_empty(), "\n{}", missed.join("\n"));
     // each law must have something to catch
-    for law in LAWS {
+    for law in &laws {
         assert!(
             planted.iter().any(|(_, name)| *name == law.name),
             "nothing planted against: {}",
             law.name
         );
     }
+}
+
+#[test]
+fn every_planted_violation_on_the_line_is_caught_by_the_law_it_breaks() {
+    violations_are_caught::<1>();
+}
+
+#[test]
+fn every_planted_violation_in_the_plane_is_caught_by_the_law_it_breaks() {
+    violations_are_caught::<2>();
 }
