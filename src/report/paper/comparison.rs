@@ -127,7 +127,19 @@ impl Comparison {
     }
 }
 
-fn row<const D: usize>(material: &Material<'_, D>, number: usize, outcome: &Outcome) -> Vec<Cell> {
+fn row<const D: usize>(
+    material: &Material<'_, D>,
+    number: usize,
+    outcome: &Outcome,
+    best: Option<f64>,
+) -> Vec<Cell> {
+    let error =
+        (outcome.measures.get(&Measure::Mise))
+            .zip(best)
+            .map_or(Cell::Empty, |(mise, best)| match mise.standard_error {
+                Some(error) => Cell::measured(mise.value / best, error / best),
+                None => Cell::exact(mise.value / best),
+            });
     let laws = material.bench.setting(0, 0).estimators[number].laws();
     let value = |measure: Measure| outcome.measures.get(&measure).map(|m| m.value);
     let plain = |measure: Measure| value(measure).map_or(Cell::Empty, |v| Cell::text(rounded(v)));
