@@ -30,10 +30,9 @@ pub fn tried<const D: usize>(parameter: &Parameter) -> Vec<Value> {
         }
         // how far an approximate engine may be off is judged by the laws of engines
         "tolerance" => return numbers(&[1e-12, 1e-11]),
-        "min" => return vec![Value::Count(2), Value::Count(5)],
         "max" => return vec![Value::Count(12), Value::Count(60)],
         // small samples must have as many points
-        "k" => return vec![Value::Count(2), Value::Count(5)],
+        "k" | "min" => return vec![Value::Count(2), Value::Count(5)],
         // a window narrower than most data, with few binary digits, so that moving it is exact
         "low" => return numbers(&[WINDOW[0]]),
         "high" => return numbers(&[WINDOW[1]]),
