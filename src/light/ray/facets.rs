@@ -189,8 +189,12 @@ impl<S: Simd> Best<S> {
                 simd.mul_f64s(self.above, across),
             );
             nearer = simd.and_m64s(nearer, simd.less_than_f64s(here, before));
-            let left = simd.equal_f64s(number, beam.leaving);
-            nearer = simd.and_m64s(nearer, simd.not_m64s(left));
+            // not the one it leaves; `not_m64s` would be a call
+            let other = simd.or_m64s(
+                simd.less_than_f64s(number, beam.leaving),
+                simd.greater_than_f64s(number, beam.leaving),
+            );
+            nearer = simd.and_m64s(nearer, other);
             self.above = simd.select_f64s(nearer, ahead, self.above);
             self.across = simd.select_f64s(nearer, across, self.across);
             self.number = simd.select_f64s(nearer, number, self.number);

@@ -31,17 +31,21 @@ impl Carried for Channels {
     #[inline(always)]
     fn reflected(self, reflectance: &Spectrum, factor: f64) -> Self {
         let albedo = reflectance.rgb();
-        Self([0, 1, 2].map(|channel| self.0[channel] * (albedo[channel] * factor)))
+        Self([
+            self.0[0] * (albedo[0] * factor),
+            self.0[1] * (albedo[1] * factor),
+            self.0[2] * (albedo[2] * factor),
+        ])
     }
 
     #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
-        Self(self.0.map(|power| power * factor))
+        Self([self.0[0] * factor, self.0[1] * factor, self.0[2] * factor])
     }
 
     #[inline(always)]
     fn flux(&self) -> [f32; 3] {
-        self.0.map(|power| power as f32)
+        [self.0[0] as f32, self.0[1] as f32, self.0[2] as f32]
     }
 }
 

@@ -178,7 +178,7 @@ impl Planar {
     #[inline]
     pub(super) fn raw_coordinates(&self, place: Vector) -> [f64; 2] {
         let from = place - self.corners[0];
-        self.axes.map(|axis| axis.dot(&from))
+        [self.axes[0].dot(&from), self.axes[1].dot(&from)]
     }
 
     #[inline]
