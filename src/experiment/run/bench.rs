@@ -13,7 +13,7 @@ use crate::light::photons::Photons;
 use crate::light::reference::Reference;
 use crate::light::scene::read;
 use crate::parameter::Values;
-use crate::sample::{Clustered, Exposed, Sample, Source, file};
+use crate::sample::{Clustered, Drawn, Exposed, Sample, Source, file};
 use crate::space::{Domain, Field, Grid, Point, Polygon};
 use crate::theory::{self, Optimum, Oracle};
 use crate::uncertainty::ErrorEstimate;
@@ -247,8 +247,8 @@ impl<const D: usize> Bench<D> {
                 let draws = self.settings[source][size].draws;
                 let name = self.experiment.sources[source].name();
                 let mut random = sampling_stream(self.experiment.seed, replicate);
-                let points = (0..draws).map(|_| density.draw(&mut random)).collect();
-                Sample::equal(points, density.domain().clone())
+                Drawn(density.clone())
+                    .sample(draws, &mut random)
                     .map_err(|error| RunError::Input(format!("a sample from \"{name}\": {error}")))
             }
         }
