@@ -1,6 +1,6 @@
 //! As many points in the support as one says, if they were even: knows the area and the number of points, nothing else.
 //!
-//! h = √(C A / (n π)) for a disc. The noise of an estimate with it does not depend on n, only its bias falls: relative variance 4/(3C) for Epanechnikov's kernel, 1/C for
+//! h = √(C A / (n π)) for a disc, h = C L / (2n) on a line of length L. The noise of an estimate with it does not depend on n, only its bias falls: relative variance 4/(3C) for Epanechnikov's kernel, 1/C for
 //! a disc. Consistent only if C grows with n.
 //!
 //! # References
@@ -10,7 +10,7 @@ use super::{SelectError, Selection, Selector};
 use crate::kernel::{Bandwidth, Shape, Symmetry};
 use crate::sample::Sample;
 
-/// The rule with its count, for kernels of the plane.
+/// The rule with its count, for kernels of the line and of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedCount {
     count: f64,
@@ -29,6 +29,48 @@ impl FixedCount {
     }
 }
 
+/// The length or area in which points lie: that of the domain or, where it has no end, of the least box around all points with a weight.
+fn extent<const D: usize>(sample: &Sample<D>) -> Result<f64, SelectError> {
+    let measure = sample.domain().measure();
+    if measure.is_finite() {
+        return Ok(measure);
+    }
+    let mut box_of_points = 1.0;
+    for axis in 0..D {
+        let weighed = (0..sample.len()).filter(|&i| sample.weight(i) > 0.0);
+        let (low, high) = weighed.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), i| {
+            let x = sample.points()[i][axis];
+            (low.min(x), high.max(x))
+        });
+        box_of_points *= high - low;
+    }
+    if box_of_points > 0.0 && box_of_points.is_finite() {
+        return Ok(box_of_points);
+    }
+    Err(SelectError::NoSpread {
+        points: sample.len(),
+        place: sample.points()[0][0],
+    })
+}
+
+impl Selector<1> for FixedCount {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    /// h = C L / (2n); the Gaussian gets the width that smooths as much as Epanechnikov's kernel.
+    fn select(&self, sample: &Sample<1>, shape: Shape) -> Result<Selection<1>, SelectError> {
+        let half = 0.5 * self.count * extent(sample)? / sample.effective_size();
+        let h = match shape {
+            Shape::Gaussian => {
+                half * shape.canonical_scale() / Shape::Epanechnikov.canonical_scale()
+            }
+            _ => half,
+        };
+        Ok(Selection::new(h, Vec::new()))
+    }
+}
+
 impl Selector<2> for FixedCount {
     fn name(&self) -> &'static str {
         Self::NAME
@@ -36,12 +78,8 @@ impl Selector<2> for FixedCount {
 
     /// The Gaussian, which has no support, gets the width that smooths as much as the radial Epanechnikov kernel's.
     fn select(&self, sample: &Sample<2>, shape: Shape) -> Result<Selection<2>, SelectError> {
-        let area = sample.domain().measure();
-        if !area.is_finite() {
-            return Err(SelectError::Unbounded { rule: Self::NAME });
-        }
         // the area of the support, which at widths of 1 is a disc or a square
-        let support = self.count * area / sample.effective_size();
+        let support = self.count * extent(sample)? / sample.effective_size();
         let disc = (support / std::f64::consts::PI).sqrt();
         let h = match (shape, self.symmetry) {
             (Shape::Gaussian, _) => {
@@ -101,9 +139,24 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_without_end_has_no_area() {
-        let sample = Sample::equal(vec![[0.0, 0.0]], Domain::whole()).unwrap();
-        let refused = FixedCount::new(20.0, Symmetry::Radial).select(&sample, Shape::Gaussian);
-        assert!(matches!(refused, Err(SelectError::Unbounded { .. })));
+    fn without_walls_the_box_of_the_points_is_the_area() {
+        let rule = FixedCount::new(3.0, Symmetry::Product);
+        let points = vec![[0.0, 1.0], [2.0, 5.0], [1.0, 1.0]];
+        let sample = Sample::equal(points, Domain::whole()).unwrap();
+        let chosen: Selection<2> = rule.select(&sample, Shape::Uniform).unwrap();
+        let Bandwidth::Fixed([h, _]) = chosen.bandwidth else {
+            panic!("one number")
+        };
+        // three of three points in a square of the whole area, 8
+        assert!((4.0 * h * h - 8.0).abs() < 1e-12, "{h}");
+        let line = Sample::equal(vec![[0.0], [1.0], [4.0]], Domain::whole()).unwrap();
+        let chosen: Selection<1> = rule.select(&line, Shape::Uniform).unwrap();
+        let Bandwidth::Fixed([h]) = chosen.bandwidth else {
+            panic!("one number")
+        };
+        assert!((2.0 * h - 4.0).abs() < 1e-12, "{h}");
+        let one = Sample::equal(vec![[0.0, 0.0]], Domain::whole()).unwrap();
+        let refused = Selector::<2>::select(&rule, &one, Shape::Gaussian);
+        assert!(matches!(refused, Err(SelectError::NoSpread { .. })));
     }
 }

@@ -7,7 +7,7 @@
 //! | improved-sheather-jones | the same, without a normal reference anywhere | `improved.rs` |
 //! | lscv, ucv | an unbiased estimate of MISE | `least_squares.rs` |
 //! | bcv | an estimate of AMISE | `biased.rs` |
-//! | walter | nothing: it expects so many points in the support of a kernel of the plane | `fixed_count.rs` |
+//! | walter | nothing: it expects so many points in the support of a kernel | `fixed_count.rs` |
 //! | oracle-ise | the error itself, where the truth is known | `least_ise.rs` |
 //! | likelihood-cross-validation, k-fold-likelihood | the surprise at a datum, given the others | `likelihood.rs` |
 //! | in the plane: silverman, normal-reference, scott | AMISE if the density were normal | `plane/mod.rs` |
@@ -100,12 +100,6 @@ pub enum SelectError {
     /// The rule does not exist for such data.
     #[error("{0}")]
     Unable(String),
-    /// A rule that needs walls and finds none.
-    #[error("\"{rule}\" needs a domain of finite area: give the domain its limits, or a number")]
-    Unbounded {
-        /// The rule.
-        rule: &'static str,
-    },
 }
 
 /// A bandwidth, with what the reader should know about how it came about.

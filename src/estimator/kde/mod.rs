@@ -351,16 +351,14 @@ impl Kde {
         context: &Context<1>,
     ) -> Result<Self, BuildError> {
         let word = values.word("bandwidth");
-        if word == Some(FixedCount::NAME) {
-            return Err(BuildError {
-                parameter: "bandwidth",
-                what: format!("\"{}\" is a rule of the plane", FixedCount::NAME),
-            });
-        }
         let chosen = match (word, &context.truth) {
             (Some("oracle-ise"), Some(truth)) => Some(Box::new(LeastIse {
                 truth: truth.clone(),
             }) as Box<dyn Selector<1>>),
+            (Some(FixedCount::NAME), _) => Some(Box::new(FixedCount::new(
+                FixedCount::DEFAULT,
+                Symmetry::Product,
+            )) as Box<dyn Selector<1>>),
             _ => word.and_then(selector::named),
         };
         let width = match (values.number("bandwidth"), chosen) {
