@@ -7,7 +7,7 @@
 //! Shirley, Wade, Hubbard, Zareski, Walter & Greenberg 1995, Global illumination via density-estimation; Walter 1998, thesis, section 4.3.
 
 use super::{SelectError, Selection, Selector};
-use crate::kernel::{Bandwidth, Shape, Symmetry};
+use crate::kernel::{Bandwidth, Kernel, Shape, Symmetry};
 use crate::sample::Sample;
 
 /// The rule with its count, for kernels of the line and of the plane.
