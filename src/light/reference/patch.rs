@@ -41,6 +41,30 @@ impl Patch {
         self.facet.first.norm().max(self.facet.second.norm())
     }
 
+    /// Where a function is to be taken so that its mean over the patch is the mean of its values: two Gauss points an axis on a parallelogram,
+    /// three points on a triangle. \[Strang & Fix 1973\]
+    pub fn nodes(&self) -> Vec<Vector> {
+        let Facet {
+            origin,
+            first,
+            second,
+            triangle,
+        } = self.facet;
+        let (low, high) = if triangle {
+            (1.0 / 6.0, 2.0 / 3.0)
+        } else {
+            (0.5 - 0.5 / 3_f64.sqrt(), 0.5 + 0.5 / 3_f64.sqrt())
+        };
+        let mut shares = vec![(low, low), (high, low), (low, high)];
+        if !triangle {
+            shares.push((high, high));
+        }
+        shares
+            .into_iter()
+            .map(|(s, t)| origin + first * s + second * t)
+            .collect()
+    }
+
     /// What a small surface elsewhere receives of this patch's light if nothing stands between (see [`seen`]); 0 behind the front.
     pub fn seen_from(&self, place: Vector, normal: Vector) -> f64 {
         if (place - self.facet.origin).dot(&self.normal) <= 0.0 {

@@ -42,9 +42,8 @@ fn exchange(scene: &Scene, a: &Patch, b: &Patch) -> f64 {
     }
     let near = between.norm() / size;
     let depth = match near {
-        near if near < 1.6 => 3,
-        near if near < 3.0 => 2,
-        near if near < 6.0 => 1,
+        near if near < 1.6 => 2,
+        near if near < 3.0 => 1,
         _ => 0,
     };
     let unblocked = 0.5 * (mean_seen(a, b, depth) * a.area + mean_seen(b, a, depth) * b.area);
@@ -54,10 +53,12 @@ fn exchange(scene: &Scene, a: &Patch, b: &Patch) -> f64 {
     unblocked * visible_share(scene, a, b)
 }
 
-/// The mean over patch `a` of what is seen of `b`.
+/// The mean over patch `a` of what is seen of `b`, by rules that are exact for cubics on a parallelogram and quadratics on a triangle.
 fn mean_seen(a: &Patch, b: &Patch, depth: u32) -> f64 {
     if depth == 0 {
-        return b.seen_from(a.centre(), a.normal);
+        let places = a.nodes();
+        let sum: f64 = places.iter().map(|&at| b.seen_from(at, a.normal)).sum();
+        return sum / places.len() as f64;
     }
     let quarters = a.quarters();
     0.25 * quarters
