@@ -1,6 +1,4 @@
 //! The grid as the data see it, and the intervals into which its breakpoints cut the line.
-// code compiled for wide registers must end up inside the function that `pulp` compiles for them
-#![allow(clippy::inline_always)]
 
 use super::super::Unsupported;
 use super::super::basis::CHUNK;
@@ -12,7 +10,6 @@ use crate::space::Grid;
 const MOST_CELLS: usize = 1 << 21;
 
 /// The grid as the data see it: positions t = (x - x₀) / width, windows of `reach` to both sides.
-#[derive(Clone, Copy)]
 pub(in crate::engine) struct Lattice<'a> {
     pub grid: &'a Grid<1>,
     pub h: f64,
@@ -27,15 +24,6 @@ pub(in crate::engine) struct Lattice<'a> {
     /// What data on the wrong side of a breakpoint cost at most, relative to the ceiling.
     misplaced: f64,
     pub kink: bool,
-    /// What [`Lattice::centre`] needs: the width of a cell, and the centre of the interval after `a` windows entered less `a` widths.
-    width: f64,
-    entering: f64,
-    /// The same before the window `b` is left.
-    leaving: f64,
-    /// The middle of all grid points.
-    middle: f64,
-    /// How many grid points.
-    pub(super) cells: f64,
 }
 
 /// What a datum that is assigned to the wrong side of a breakpoint may cost, relative to the peak of the kernel.
@@ -68,17 +56,10 @@ impl<'a> Lattice<'a> {
         let cost = (2.0 * doubt / reach).powi(flatness(shape));
         let negligible = cost < NEGLIGIBLE;
         let kink = shape == Shape::Triangular;
-        let (first, last) = (grid.coordinate(0, 0), grid.coordinate(0, cells - 1));
-        let half = h.min(0.5 * width);
         Ok(Self {
             grid,
             h,
-            first,
-            width,
-            entering: first - (h - half) - width,
-            leaving: first + (h - half),
-            middle: first + 0.5 * (last - first),
-            cells: cells as f64,
+            first: grid.coordinate(0, 0),
             inverse: width.recip(),
             scale: h.recip(),
             reach,
@@ -88,33 +69,11 @@ impl<'a> Lattice<'a> {
         })
     }
 
-    /// Where the moments of the data that have entered `a` windows and left `b` are seen from: half a cell, or h if that is less, after the
-    /// last window entered; once all are entered, as much before the next one left; and the middle of all while that is under all.
-    ///
-    /// A function of two numbers that are known anyway when the interval is, so that it need not be looked up; computed by the same
-    /// operations wherever it is wanted, so that how it is rounded does not matter.
-    #[inline(always)]
-    pub(in crate::engine) fn centre(&self, a: f64, b: f64) -> f64 {
-        let leaving = self.leaving + b * self.width;
-        let late = if b > 0.0 { leaving } else { self.middle };
-        if a < self.cells {
-            self.entered(a)
-        } else {
-            late
-        }
-    }
-
-    /// The same where it is known that not all windows are entered.
-    #[inline(always)]
-    pub(super) fn entered(&self, a: f64) -> f64 {
-        self.entering + a * self.width
-    }
-
     pub(in crate::engine) fn intervals(&self) -> usize {
         (2 + usize::from(self.kink)) * self.grid.len() + 1
     }
 
-    /// How far data under a window are from the centre of their interval at most, in units of h.
+    /// Half the longest interval, in units of h.
     pub(in crate::engine) fn half_interval(&self) -> f64 {
         // intervals are at most a cell or a window long; those that lie under all windows may be as long as the windows
         let wide = self.grid.len() as f64 <= 2.0 * self.reach;
@@ -153,7 +112,6 @@ impl<'a> Lattice<'a> {
 pub(in crate::engine) struct Partition {
     /// Where interval k begins; it ends where k + 1 begins. The first and the last, beyond all windows, have no length.
     pub edges: Vec<f64>,
-    /// [`Lattice::centre`] of each.
     pub centres: Vec<f64>,
     /// Of each interval: windows entered, centres passed, windows left, so that it lies under the windows `left..entered`.
     pub counts: Vec<[u32; 3]>,
@@ -190,9 +148,9 @@ impl Partition {
         }
         edges.insert(0, edges[0]);
         edges.push(edges[rows - 1]);
-        let centres = counts
-            .iter()
-            .map(|count| lattice.centre(f64::from(count[0]), f64::from(count[2])))
+        let centres = edges
+            .windows(2)
+            .map(|e| e[0] + 0.5 * (e[1] - e[0]))
             .collect();
         Self {
             edges,

@@ -18,7 +18,7 @@
 mod lattice;
 mod sweep;
 
-use super::basis::{Basis, Parabola, Powers, Side, Waves};
+use super::basis::{Basis, Powers, Side, Waves};
 use super::ladder::{Item, Ladder};
 use super::{Engine, Quote, Unsupported};
 use crate::kernel::{Form, Kernel, KernelSum, Shape};
@@ -131,7 +131,7 @@ fn on_lattice(sum: &KernelSum<1>, lattice: &Lattice<'_>) -> Vec<f64> {
         Form::Polynomial(c) => match c.len() {
             1 => compute(sum, lattice, Powers::<1>::new(c)),
             2 => compute(sum, lattice, Powers::<2>::new(c)),
-            3 => compute(sum, lattice, Parabola::new(c)),
+            3 => compute(sum, lattice, Powers::<4>::new(c)),
             5..=7 => compute(sum, lattice, Powers::<8>::new(c)),
             _ => by_definition(sum, Targets::Grid(lattice.grid)),
         },
