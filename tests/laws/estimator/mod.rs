@@ -113,7 +113,7 @@ fn stride() -> usize {
     asked
         .and_then(|word| word.parse().ok())
         .filter(|&stride| stride > 0)
-        .unwrap_or(61)
+        .unwrap_or(151)
 }
 
 fn catalogue_keeps_the_laws<const D: usize>()
