@@ -72,13 +72,13 @@ pub struct Subjects {
     pub corner: Arc<dyn Boundary<2>>,
     /// Local linear correction.
     pub linear: Arc<dyn Boundary<1>>,
-    /// A kernel estimator with the Gaussian and h = [`H`].
+    /// A kernel estimator with the Gaussian and h = `H`.
     pub kde: Arc<dyn Estimator<1>>,
     /// The same in the plane.
     pub plane_kde: Arc<dyn Estimator<2>>,
-    /// A histogram with bins of [`WIDTH`] from -4.
+    /// A histogram with bins of `WIDTH` from -4.
     pub histogram: Arc<dyn Estimator<1>>,
-    /// (k - 1)/(n V) with [`K`] neighbours.
+    /// (k - 1)/(n V) with `K` neighbours.
     pub nearest: Arc<dyn Estimator<1>>,
     /// The same in the plane.
     pub plane_nearest: Arc<dyn Estimator<2>>,
@@ -88,7 +88,7 @@ pub struct Subjects {
     pub reference: Arc<dyn Selector<1>>,
     /// Least-squares cross-validation.
     pub cross_validation: Arc<dyn Selector<1>>,
-    /// The random error from [`BATCHES`] batches.
+    /// The random error from `BATCHES` batches.
     pub halves: Arc<dyn ErrorEstimate<1>>,
     /// The interval of a mean.
     pub interval: MeanInterval,

@@ -12,7 +12,7 @@
 //! | [`hits`] | where photons arrived: weighted points |
 //! | [`ledger`] | where the light went |
 //! | [`walk`] | photons: lamps, flights, survival |
-//! | [`reference`] | what the light really is, without a photon |
+//! | [`mod@reference`] | what the light really is, without a photon |
 //! | [`photons`] | the hits on a surface as a source of samples |
 //! | [`illumination`] | light at places, from whatever knows it, and pictures of it |
 //! | [`camera`], [`image`] | rays through pixels, and what pixels become |

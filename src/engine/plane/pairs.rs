@@ -126,7 +126,7 @@ impl PlanePairs {
             .mul_add(self.height + factor * self.peak, 2.0 * others)
     }
 
-    /// How many distances between nodes of the finest lattice there are to the narrower of the widths `h`: below [`FINE`] the glance is coarse.
+    /// How many distances between nodes of the finest lattice there are to the narrower of the widths `h`: below `FINE` the glance is coarse.
     pub fn resolution(&self, h: [f64; 2]) -> f64 {
         self.finest_of(h, NODES.len() - 1)
     }

@@ -142,7 +142,7 @@ impl<'a> NeighbourError<'a> {
         }
     }
 
-    /// The k of least MISE, with its errors, if it has one minimum: see [`best_count`].
+    /// The k of least MISE, with its errors, if it has one minimum: see `best_count`.
     pub fn optimum(&self, convention: Convention, draws: usize) -> (usize, Integrated) {
         best_count(
             3,
