@@ -40,7 +40,7 @@ fn two_columns_are_the_plane() {
         assert!(y > 1.0 && y < 5.35 * 2.4, "{product:?} {radial:?}");
     }
     assert!(
-        product != radial,
+        (product[0] - radial[0]).abs() > 1e-6,
         "one symmetry for both: {product:?} {radial:?}"
     );
     bench
