@@ -106,8 +106,8 @@ fn find<T: Sync>(items: &[T], look: impl Fn(&T) -> Option<String> + Sync) -> Vec
     found.into_iter().map(|(_, what)| what).collect()
 }
 
-/// All pairs of a setting and a law take the better part of an hour of unoptimised code: by default every so many-th is tried, a number that shares no
-/// factor with that of the laws, so that every law meets every estimator; `LAB_LAWS_STRIDE=1` tries all.
+/// By default every so many-th pair of a setting and a law is tried, a number that shares no factor with that of the laws. `LAB_LAWS_STRIDE=1` asks for all,
+/// which has not been seen to finish: the mass of the nested neighbour estimators is integrated without end.
 fn stride() -> usize {
     let asked = std::env::var("LAB_LAWS_STRIDE").ok();
     asked
