@@ -34,15 +34,16 @@ fn two_columns_are_the_plane() {
     };
     let product = chosen(&["--kernel", "epanechnikov"]);
     let radial = chosen(&["--kernel", "epanechnikov", "--symmetry", "radial"]);
-    // two clusters: below the normal scale, which is 0.448 and 5.34 for the Gaussian kernel and 2.4 times that for this one
-    for [x, y] in [product, radial] {
-        assert!(x > 0.1 && x < 0.45 * 2.4, "{product:?} {radial:?}");
-        assert!(y > 1.0 && y < 5.35 * 2.4, "{product:?} {radial:?}");
+    for axis in 0..2 {
+        // narrower than a box of the same smoothness would be, by the ratio of the canonical scales
+        let ratio = radial[axis] / product[axis];
+        assert!((0.9..1.4).contains(&ratio), "{product:?} {radial:?}");
     }
-    assert!(
-        (product[0] - radial[0]).abs() > 1e-6,
-        "one symmetry for both: {product:?} {radial:?}"
-    );
+    // two clusters: far below the normal scale
+    assert!(product[0] < 0.45 * 2.4 && product[0] > 0.1, "{product:?}");
+    // Not the high valley along the ratio of the deviations, near (0.341, 3.48), where a criterion written independently is -0.020782; on a grid its least is -0.020955 at
+    // (0.2925, 6.55), and -0.020926 at the choice: whole minutes make it rough.
+    assert!((6.0..8.0).contains(&product[1]), "{product:?}");
     bench
         .run(&with(&["-s", "lscv", "-o", "plane.svg"]))
         .succeeds();

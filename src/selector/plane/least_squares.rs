@@ -12,14 +12,21 @@ use crate::space::Warning;
 /// Up to so many data the minimum is found with exact sums over pairs; beyond, from the lattice alone.
 const EXACT_UP_TO: usize = 1000;
 
+/// The logarithms a of the ratios of widths along which minima are looked for, the deviations of the axes first.
+const TILTS: [f64; 5] = [0.0, -0.35, 0.35, -0.7, 0.7];
+
+/// A valley whose ratio of widths leaves that of the deviations by more than the exponential of twice this is a fall towards width 0 on one axis alone, as values rounded
+/// on that axis give, and no minimum.
+const FARTHEST: f64 = 1.5;
+
 /// A bandwidth of fewer distances between nodes than this is told to be coarse.
 const COARSE: f64 = 3.0;
 
 /// The widths of least ∫f̂² - 2 Σᵢ wᵢ f̂₋ᵢ(Xᵢ), an unbiased estimate of ISE - ∫f², for the kernel itself, product or radial. [Rudemo 1982; Bowman 1984; Sain, Baggerly &
 /// Scott 1994]
 ///
-/// **A width for each axis** (`lscv`): the local minima are looked for along h = t · (s₁, s₂), the deviations of the axes, from about twice the normal scale down to a tenth of the best; the lowest is then
-/// improved over both widths. The choice follows the unit of each axis. **One common width** (`lscv-common`): the same along h₁ = h₂ and nothing more; it follows rotations, and is meant for
+/// **A width for each axis** (`lscv`): the local minima are looked for along h = t · (s₁eᵃ, s₂e⁻ᵃ), the deviations of the axes and four other ratios, from about twice the normal scale down to a tenth of the best; the lowest
+/// of each is then improved over both widths, and the lowest of these is chosen: the criterion has several valleys, and the one along the deviations need not be the deepest. That is a search, not a proof: on rounded data the criterion is rough, and a minimum a few thousandths of its value lower may be missed. The choice follows the unit of each axis. **One common width** (`lscv-common`): the same along h₁ = h₂ and nothing more; it follows rotations, and is meant for
 /// places in one unit.
 ///
 /// Up to 1000 points the minimum is that of the exact sum over all pairs; beyond, that of a lattice of up to 1024² nodes whose criterion is good to 1e-5 of itself for the Gaussian, to some 1e-3 for kernels with a kink at their edge and to 1e-2 for those with a jump (see
@@ -202,18 +209,44 @@ impl Selector<2> for PlaneLeastSquares {
         } else {
             blind.clamp(2e-3 * widest, 0.5 * widest)
         };
-        let glance = |t: f64| {
-            if few {
-                risk.exact(along(t))
-            } else {
-                risk.glance(along(t))
-            }
+        let tilted = |t: f64, a: f64| {
+            let [x, y] = along(t);
+            [x * a.exp(), y * (-a).exp()]
         };
-        let found = search(glance, glance, narrowest, widest).in_units_of(direction[0]);
-        let Some((first, mut warnings)) = found.choose(WHAT) else {
+        let value = |h: [f64; 2]| {
+            if few { risk.exact(h) } else { risk.glance(h) }
+        };
+        let tilts = if self.common { &TILTS[..1] } else { &TILTS[..] };
+        let mut best: Option<([f64; 2], f64, Vec<Warning>)> = None;
+        let mut fell = false;
+        for &a in tilts {
+            let glance = |t: f64| value(tilted(t, a));
+            let found = search(glance, glance, narrowest, widest).in_units_of(direction[0]);
+            let Some((first, warnings)) = found.choose(WHAT) else {
+                continue;
+            };
+            let h = risk.improve(tilted(first / direction[0], a), self.common);
+            let ratio = 0.5 * (h[0] / direction[0] / (h[1] / direction[1])).ln();
+            if !self.common && ratio.abs() > FARTHEST {
+                fell = true;
+                continue;
+            }
+            let least = value(h);
+            if best.as_ref().is_none_or(|(_, other, _)| least < *other) {
+                best = Some((h, least, warnings));
+            }
+        }
+        let Some((h, _, mut warnings)) = best else {
             return fallen("has no minimum but towards bandwidth 0 or infinity");
         };
-        let h = risk.improve(along(first / direction[0]), self.common);
+        if fell {
+            warnings.push(Warning {
+                what: format!(
+                    "{WHAT} also falls towards width 0 on one axis, as it does without bound on values rounded there; a minimum at widths of both is taken"
+                ),
+                hint: "look at the data for rounding".to_owned(),
+            });
+        }
         let resolution = risk.pairs.resolution(h);
         if risk.pairs.count() > EXACT_UP_TO && resolution < COARSE {
             warnings.push(Warning {
