@@ -125,6 +125,12 @@ fn cases() -> Vec<Case> {
             (-0.005, 2.995, 300),
         ),
         case(
+            "decimal ties, windows wider than the grid",
+            (0..10_000).map(|i| f64::from(i % 300) / 100.0).collect(),
+            0.65,
+            (0.995, 1.595, 60),
+        ),
+        case(
             "decimal ties, midpoints",
             (0..10_000).map(|i| f64::from(i % 30) / 10.0).collect(),
             0.35,

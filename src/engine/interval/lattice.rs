@@ -3,6 +3,7 @@
 use super::super::Unsupported;
 use super::super::basis::CHUNK;
 use super::super::bound::{expansion_error, expansion_terms, flatness};
+use super::regular::Regular;
 use crate::kernel::{KernelSum, Shape};
 use crate::space::Grid;
 
@@ -44,8 +45,8 @@ impl<'a> Lattice<'a> {
         let reach = h / width;
         let span = grid.low()[0].abs().max(grid.high()[0].abs()) / width;
         // half an epsilon each: of t, its difference, factor, product and sum with the reach; of places, those of the grid's first and j-th
-        // point; of the reach, itself, the two steps of u, and two sums; and a quarter more for what comes of all these together
-        let doubt = f64::EPSILON * (2.5 * cells as f64 + 1.25 * span + 4.0 * reach);
+        // point; of the reach, itself twice, the two steps of u, and two sums; and a quarter more for what comes of all these together
+        let doubt = f64::EPSILON * (2.5 * cells as f64 + 1.25 * span + 5.0 * reach);
         // not < : NaN and infinity are refused too
         if !(doubt < 0.25 && width.recip().is_finite()) {
             return Err(Unsupported(
@@ -88,15 +89,21 @@ impl<'a> Lattice<'a> {
     pub(super) fn run(&self, sum: &KernelSum<1>) -> usize {
         let terms = expansion_terms(sum, self.half_interval());
         let allowed = (4096.0 / terms).min(1e9) as usize;
+        let rows = self.rows();
         allowed
-            .clamp(1024, block(self.intervals()))
-            .max(self.intervals() / 2)
+            .clamp(1024, block(rows))
+            .max(rows / 2)
             .next_multiple_of(CHUNK)
+    }
+
+    /// How many intervals the pass over the data tells apart.
+    fn rows(&self) -> usize {
+        Regular::new(self).map_or_else(|| self.intervals(), Regular::rows)
     }
 
     /// Bound on the error relative to the ceiling: the roundings of the longest chain of additions, and what may be misplaced.
     pub(super) fn error(&self, sum: &KernelSum<1>) -> f64 {
-        let (n, run, block) = (sum.sample().len(), self.run(sum), block(self.intervals()));
+        let (n, run, block) = (sum.sample().len(), self.run(sum), block(self.rows()));
         let chain = run.min(n) + block.min(n) / run + n / block;
         expansion_error(sum, self.half_interval(), chain) + self.misplaced
     }

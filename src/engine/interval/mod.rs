@@ -3,8 +3,8 @@
 //! With a kernel that is one polynomial on each side of 0 (or a cosine), the sum at the grid point xⱼ changes its formula only where a
 //! datum enters its window at xⱼ - h, passes xⱼ itself (if the kernel has a kink there) or leaves at xⱼ + h. These breakpoints are two or three
 //! interleaved arithmetic progressions; they cut the line into at most 2m + 1 (3m + 1) intervals, within each of which all data are
-//! alike. One pass over the data finds the interval of each datum with two (three) roundings - no sort, no search - and adds its few
-//! moments there; one pass over the grid puts the intervals under each window together ([`Ladder`]).
+//! alike. One pass over the data finds the interval of each datum by rounding - no sort, no search - and adds its few
+//! moments there (`regular.rs`; `merged.rs` where windows are wider than the grid); one pass over the grid puts the intervals under each window together ([`Ladder`]).
 //!
 //! **Data at a breakpoint.** Where rounding could put a datum on either side of a breakpoint, the definition decides: the datum is assigned
 //! as found, and the difference between the definition and that assignment is added to the one grid point concerned. This is what makes a kernel
@@ -16,17 +16,21 @@
 //! the number of threads.
 
 mod lattice;
+mod merged;
+mod regular;
 mod sweep;
 
-use super::basis::{Basis, Powers, Side, Waves};
+use super::basis::{Basis, Parabola, Powers, Side, Waves};
 use super::ladder::{Item, Ladder};
 use super::{Engine, Quote, Unsupported};
 use crate::kernel::{Form, Kernel, KernelSum, Shape};
 use crate::sample::Weights;
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
 pub(super) use lattice::{Lattice, Partition};
+use merged::Merged;
 use rayon::prelude::*;
-use sweep::sweep;
+use regular::Regular;
+use sweep::{Partial, Places, sweep};
 
 /// Interval moments: exact sums of compact kernels on a grid of a line. O(n + m) time, O(m) memory beyond the data.
 #[derive(Clone, Copy, Debug, Default)]
@@ -131,7 +135,7 @@ fn on_lattice(sum: &KernelSum<1>, lattice: &Lattice<'_>) -> Vec<f64> {
         Form::Polynomial(c) => match c.len() {
             1 => compute(sum, lattice, Powers::<1>::new(c)),
             2 => compute(sum, lattice, Powers::<2>::new(c)),
-            3 => compute(sum, lattice, Powers::<4>::new(c)),
+            3 => compute(sum, lattice, Parabola::new(c)),
             5..=7 => compute(sum, lattice, Powers::<8>::new(c)),
             _ => by_definition(sum, Targets::Grid(lattice.grid)),
         },
@@ -140,20 +144,39 @@ fn on_lattice(sum: &KernelSum<1>, lattice: &Lattice<'_>) -> Vec<f64> {
     }
 }
 
+fn sweep_either<B: Basis<N>, P: Places, const N: usize>(
+    sum: &KernelSum<1>,
+    lattice: &Lattice<'_>,
+    partition: &Partition,
+    places: &P,
+    basis: B,
+) -> Partial<N> {
+    if lattice.doubt > 0.0 {
+        sweep::<B, P, N, true>(sum, lattice, partition, places, basis)
+    } else {
+        sweep::<B, P, N, false>(sum, lattice, partition, places, basis)
+    }
+}
+
 fn compute<B: Basis<N>, const N: usize>(
     sum: &KernelSum<1>,
     lattice: &Lattice<'_>,
     basis: B,
 ) -> Vec<f64> {
-    let partition = Partition::new(lattice);
-    let total = if lattice.doubt > 0.0 {
-        sweep::<B, N, true>(sum, lattice, &partition, basis)
+    let (partition, total) = if let Some(regular) = Regular::new(lattice) {
+        let partition = regular.partition(lattice);
+        let total = sweep_either(sum, lattice, &partition, &regular, basis);
+        (partition, total)
     } else {
-        sweep::<B, N, false>(sum, lattice, &partition, basis)
+        let partition = Partition::new(lattice);
+        let merged = Merged::new(lattice, &partition);
+        let total = sweep_either(sum, lattice, &partition, &merged, basis);
+        (partition, total)
     };
-    // the first and the last interval lie beyond all windows
-    let last = total.rows.len() - 1;
-    let items = (1..last)
+    // what lies beyond all windows is left out
+    let last = lattice.grid.len() - 1;
+    let (begin, end) = (partition.windows[0][0], partition.windows[last][2]);
+    let items = (begin as usize..end as usize)
         .map(|k| Item {
             low: partition.edges[k],
             high: partition.edges[k + 1],
@@ -172,8 +195,8 @@ fn compute<B: Basis<N>, const N: usize>(
         .into_par_iter()
         .map(|j| {
             let x = lattice.grid.coordinate(0, j);
-            // less one: the ladder begins with the second interval
-            let [enter, pass, leave] = partition.windows[j].map(|k| (k as usize).wrapping_sub(1));
+            let [enter, pass, leave] =
+                partition.windows[j].map(|k| (k as usize).wrapping_sub(begin as usize));
             let inside = if B::KINKED {
                 ladder.sum(enter, pass, x, Side::Right) + ladder.sum(pass, leave, x, Side::Left)
             } else {

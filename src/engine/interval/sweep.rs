@@ -17,14 +17,28 @@ pub(super) struct Partial<const N: usize> {
     pub corrections: Vec<f64>,
 }
 
+/// Adding 2⁵² rounds a small number to an integer and leaves it in the lowest bits.
+pub(super) const ROUND: f64 = 4_503_599_627_370_496.0;
+
+/// How data find their intervals.
+pub(super) trait Places: Sync {
+    /// The number of the interval of each datum of a chunk, in the lowest bits, and its distance from the centre of that interval in units of h,
+    /// two data of one interval being seen from one centre to the last bit. True if rounding could have decided on any.
+    fn find<const KINKED: bool, const DOUBT: bool>(
+        &self,
+        points: &[f64; CHUNK],
+        index: &mut [u64; CHUNK],
+        distance: &mut [f64; CHUNK],
+    ) -> bool;
+}
+
 /// One pass over a block of data.
-struct Sweep<'a, B, const N: usize, const DOUBT: bool> {
+struct Sweep<'a, B, P, const N: usize, const DOUBT: bool> {
     basis: B,
+    places: &'a P,
     shape: Shape,
     lattice: &'a Lattice<'a>,
     partition: &'a Partition,
-    /// The centres of the intervals, their number rounded up to a power of two.
-    centres: &'a [f64],
     points: &'a [f64],
     weights: Option<&'a [f64]>,
     run: usize,
@@ -39,53 +53,50 @@ struct Scratch {
     second: [f64; CHUNK],
 }
 
-/// The moments of the intervals since the last closing. One copy: two would spare data that fall into one interval in turn a wait of some
-/// nanoseconds, but their tables would not stay in the first cache, which costs more on any other data.
+/// The moments of the intervals since the last closing, a power of two of rows. One copy: two would spare data that fall into one interval in
+/// turn a wait of some nanoseconds, but their tables would not stay in the first cache, which costs more on any other data.
 ///
-/// Rows begin at multiples of their size, so that none lies across two lines of the cache. Where the basis fills one number less than its
-/// row has, the last one is the centre of the interval: it is wanted at the same time.
+/// Rows begin at multiples of their size, so that none lies across two lines of the cache.
 struct Table<const N: usize> {
     numbers: Vec<f64>,
     first: usize,
+    rows: usize,
 }
 
 impl<const N: usize> Table<N> {
-    /// Whether the last number of a row is the centre: not so for bases of one or two functions, which fill theirs.
-    const CENTRED: bool = N >= 4;
-
-    fn new(centres: &[f64]) -> Self {
+    fn new(intervals: usize) -> Self {
         /// `f64`s in a line of the cache.
         const LINE: usize = 8;
-        let numbers = vec![0.0; centres.len() * N + LINE];
+        let rows = intervals.next_power_of_two();
+        let numbers = vec![0.0; rows * N + LINE];
         let first = numbers
             .as_ptr()
             .align_offset(LINE * size_of::<f64>())
             .min(LINE);
-        let mut table = Self { numbers, first };
-        if Self::CENTRED {
-            for (row, centre) in table.rows(centres.len()).iter_mut().zip(centres) {
-                row[N - 1] = *centre;
-            }
+        Self {
+            numbers,
+            first,
+            rows,
         }
-        table
     }
 
     #[inline(always)]
-    fn rows(&mut self, count: usize) -> &mut [[f64; N]] {
-        self.numbers[self.first..self.first + count * N]
+    fn rows(&mut self) -> &mut [[f64; N]] {
+        self.numbers[self.first..self.first + self.rows * N]
             .as_chunks_mut()
             .0
     }
 }
 
-impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N, DOUBT> {
+impl<B: Basis<N>, P: Places, const N: usize, const DOUBT: bool> WithSimd
+    for Sweep<'_, B, P, N, DOUBT>
+{
     type Output = Partial<N>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, _simd: S) -> Partial<N> {
-        let intervals = self.partition.centres.len();
         let mut partial = Partial {
-            rows: Vec::new(),
+            rows: vec![[0.0; N]; self.partition.centres.len()],
             corrections: Vec::new(),
         };
         let mut scratch = Scratch {
@@ -102,7 +113,7 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N
             self.add_chunk(chunk, weights, &mut scratch, &mut partial.corrections);
             since += CHUNK;
             if since == self.run {
-                close(self.table.rows(intervals), &mut partial.rows);
+                close(self.table.rows(), &mut partial.rows);
                 since = 0;
             }
         }
@@ -116,25 +127,21 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> WithSimd for Sweep<'_, B, N
             let weights = self.weights.map(|_| &weights[..]);
             self.add_chunk(&chunk, weights, &mut scratch, &mut partial.corrections);
         }
-        close(self.table.rows(intervals), &mut partial.rows);
+        close(self.table.rows(), &mut partial.rows);
         partial
     }
 }
 
 /// Adds the table to the total and clears it.
 #[inline(always)]
-fn close<const N: usize>(table: &mut [[f64; N]], rows: &mut Vec<[f64; N]>) {
-    rows.resize(table.len(), [0.0; N]);
-    let filled = N - usize::from(Table::<N>::CENTRED);
-    for (row, more) in rows.iter_mut().zip(table) {
-        for k in 0..filled {
-            row[k] += more[k];
-            more[k] = 0.0;
-        }
+fn close<const N: usize>(table: &mut [[f64; N]], rows: &mut [[f64; N]]) {
+    for i in 0..rows.len() {
+        add(&mut rows[i], &table[i]);
+        table[i] = [0.0; N];
     }
 }
 
-impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
+impl<B: Basis<N>, P: Places, const N: usize, const DOUBT: bool> Sweep<'_, B, P, N, DOUBT> {
     #[inline(always)]
     fn add_chunk(
         &mut self,
@@ -143,90 +150,39 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
         scratch: &mut Scratch,
         corrections: &mut Vec<f64>,
     ) {
-        if self.classify(points, &mut scratch.index) {
+        let Scratch { index, first, .. } = scratch;
+        let doubtful = if B::KINKED {
+            self.places.find::<true, DOUBT>(points, index, first)
+        } else {
+            self.places.find::<false, DOUBT>(points, index, first)
+        };
+        if doubtful {
             self.settle(points, weights, &scratch.index, corrections);
         }
         if B::LIFTS {
-            let (centres, scale) = (&self.partition.centres[..], self.lattice.scale);
-            for i in 0..CHUNK {
-                scratch.first[i] = (points[i] - centres[scratch.index[i] as u32 as usize]) * scale;
-            }
             self.basis.lift(&mut scratch.first, &mut scratch.second);
         }
         match weights {
-            None => self.scatter(points, |_| 1.0, scratch),
-            Some(w) => self.scatter(points, |i| w[i], scratch),
+            None => self.scatter(|_| 1.0, scratch),
+            Some(w) => self.scatter(|i| w[i], scratch),
         }
     }
 
     #[inline(always)]
-    fn scatter(&mut self, points: &[f64; CHUNK], weight: impl Fn(usize) -> f64, scratch: &Scratch) {
-        // by value, so that the compiler need not fear that the table overlaps them
-        let (basis, scale) = (self.basis, self.lattice.scale);
-        let size = self.centres.len();
-        let (centres, table) = (&self.centres[..size], &mut self.table.rows(size)[..size]);
+    fn scatter(&mut self, weight: impl Fn(usize) -> f64, scratch: &Scratch) {
+        // by value, so that the compiler need not fear that the table overlaps it
+        let basis = self.basis;
+        let table = self.table.rows();
+        let mask = table.len() - 1;
         for i in 0..CHUNK {
             // a mask is cheaper than a check
-            let interval = scratch.index[i] as usize & (size - 1);
-            let total = &mut table[interval];
-            let mut row = if B::LIFTS {
-                basis.row(scratch.first[i], scratch.second[i])
-            } else {
-                let centre = if Table::<N>::CENTRED {
-                    total[N - 1]
-                } else {
-                    centres[interval]
-                };
-                basis.row((points[i] - centre) * scale, 0.0)
-            };
-            for moment in &mut row {
-                *moment *= weight(i);
-            }
-            if Table::<N>::CENTRED {
-                row[N - 1] = 0.0;
+            let total = &mut table[scratch.index[i] as usize & mask];
+            let mut row = basis.row(scratch.first[i], scratch.second[i]);
+            for k in 0..N {
+                row[k] *= weight(i);
             }
             add(total, &row);
         }
-    }
-
-    /// The interval of each datum: how many breakpoints of each progression it has passed, added up. True if any is in doubt.
-    #[inline(always)]
-    fn classify(&self, points: &[f64; CHUNK], index: &mut [u64; CHUNK]) -> bool {
-        /// Adding 2⁵² rounds a small number to an integer and leaves it in the lowest bits.
-        const ROUND: f64 = 4_503_599_627_370_496.0;
-        let Lattice {
-            first,
-            inverse,
-            reach,
-            doubt,
-            ..
-        } = *self.lattice;
-        let most = self.lattice.grid.len() as f64;
-        let limit = 0.5 - doubt;
-        let shifts = [0.5 + reach, 0.5 - reach, 0.5];
-        let mut doubtful = 0;
-        for i in 0..CHUNK {
-            let t = (points[i] - first) * inverse;
-            let mut total = 0_u64;
-            let mut worst = 0.0;
-            for shift in &shifts[..if B::KINKED { 3 } else { 2 }] {
-                // comparisons written so that each is one instruction
-                let passed = t + shift;
-                let passed = if passed > 0.0 { passed } else { 0.0 };
-                let passed = if passed < most { passed } else { most };
-                let rounded = passed + ROUND;
-                total = total.wrapping_add(rounded.to_bits());
-                if DOUBT {
-                    let off = (passed - (rounded - ROUND)).abs();
-                    worst = if off > worst { off } else { worst };
-                }
-            }
-            if DOUBT {
-                doubtful |= u64::from(worst > limit);
-            }
-            index[i] = total;
-        }
-        doubtful != 0
     }
 
     /// Lets the definition decide on the data near a breakpoint, and notes what that changes.
@@ -247,11 +203,14 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
             let [entered, passed, left] = self.partition.counts[index[i] as u32 as usize];
             let mut settled = [usize::MAX; 3];
             for (family, position) in self.lattice.positions(x).into_iter().enumerate() {
-                let nearest = position.round();
-                if (position - nearest).abs() > self.lattice.doubt
-                    || !(0.0..cells as f64).contains(&nearest)
+                if !(position > -0.5 && position < cells as f64 - 0.5)
                     || (family == 1 && !B::KINKED)
                 {
+                    continue;
+                }
+                // this is looked at for all data of a chunk: `round` would be a call
+                let nearest = (position + ROUND) - ROUND;
+                if (position - nearest).abs() > self.lattice.doubt {
                     continue;
                 }
                 let j = nearest as usize;
@@ -279,15 +238,14 @@ impl<B: Basis<N>, const N: usize, const DOUBT: bool> Sweep<'_, B, N, DOUBT> {
 }
 
 /// The moments of all intervals and the corrections of all grid points.
-pub(super) fn sweep<B: Basis<N>, const N: usize, const DOUBT: bool>(
+pub(super) fn sweep<B: Basis<N>, P: Places, const N: usize, const DOUBT: bool>(
     sum: &KernelSum<1>,
     lattice: &Lattice<'_>,
     partition: &Partition,
+    places: &P,
     basis: B,
 ) -> Partial<N> {
     let size = block(partition.centres.len());
-    let mut centres = partition.centres.clone();
-    centres.resize(centres.len().next_power_of_two(), 0.0);
     let arch = Arch::new();
     let blocks: Vec<Partial<N>> = sum
         .sample()
@@ -295,19 +253,19 @@ pub(super) fn sweep<B: Basis<N>, const N: usize, const DOUBT: bool>(
         .par_chunks(size)
         .enumerate()
         .map_init(
-            || Table::new(&centres),
+            || Table::new(partition.centres.len()),
             |table, (number, points)| {
                 let start = number * size;
                 let weights = match sum.sample().weights() {
                     Weights::Equal(_) => None,
                     Weights::Each(weights) => Some(&weights[start..start + points.len()]),
                 };
-                arch.dispatch(Sweep::<B, N, DOUBT> {
+                arch.dispatch(Sweep::<B, P, N, DOUBT> {
                     basis,
+                    places,
                     shape: sum.shape(),
                     lattice,
                     partition,
-                    centres: &centres,
                     points,
                     weights,
                     run: lattice.run(sum),
@@ -335,7 +293,8 @@ pub(super) fn sweep<B: Basis<N>, const N: usize, const DOUBT: bool>(
 
 #[inline(always)]
 fn add<const N: usize>(total: &mut [f64; N], more: &[f64; N]) {
-    for (sum, term) in total.iter_mut().zip(more) {
-        *sum += term;
+    // by number: iterators are functions, and what is not inlined is not compiled for wide registers
+    for k in 0..N {
+        total[k] += more[k];
     }
 }
