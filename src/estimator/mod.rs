@@ -27,6 +27,7 @@ mod normal_mixture_plane;
 mod series;
 mod shifted_histogram;
 mod shifted_histogram_plane;
+mod texture;
 mod width;
 
 pub use crate::parameter::BuildError;
@@ -50,6 +51,7 @@ pub use normal_mixture::NormalMixtureFit;
 pub use series::{CosineSeries, FourierSeries, HermiteSeries, LegendreSeries};
 pub use shifted_histogram::ShiftedHistogram;
 pub use shifted_histogram_plane::ShiftedHistogramPlane;
+pub use texture::VariableKernel;
 
 use crate::boundary::BoundaryError;
 use crate::density::Density;

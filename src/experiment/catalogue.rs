@@ -193,6 +193,11 @@ const fn line<E: Build<1>>() -> Entry {
     Entry::of::<E>().line::<E>()
 }
 
+/// An estimator of the plane.
+const fn plane<E: Build<2>>() -> Entry {
+    Entry::of::<E>().plane::<E>()
+}
+
 /// An estimator of both: one type twice, or two types, described by the first.
 const fn both<L: Build<1>, P: Build<2>>() -> Entry {
     Entry::of::<L>().line::<L>().plane::<P>()
@@ -212,6 +217,7 @@ pub const ESTIMATORS: &[Entry] = &[
     both::<estimator::Lepski, estimator::Lepski>(),
     both::<estimator::NestedTest, estimator::NestedTest>(),
     both::<estimator::TwoStage, estimator::TwoStage>(),
+    plane::<estimator::VariableKernel>(),
     both::<estimator::CosineSeries, estimator::CosineSeries>(),
     both::<estimator::LegendreSeries, estimator::LegendreSeries>(),
     both::<estimator::FourierSeries, estimator::FourierSeries>(),

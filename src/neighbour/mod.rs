@@ -17,6 +17,7 @@
 
 mod brute;
 mod cells;
+mod counter;
 mod kept;
 mod metric;
 mod nearest;
@@ -25,6 +26,7 @@ mod tree;
 
 pub use brute::Brute;
 pub use cells::Cells;
+pub use counter::{Counter, Work};
 pub use metric::Metric;
 pub use nearest::{Found, Nearest};
 pub use sorted::Sorted;

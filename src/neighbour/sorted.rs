@@ -1,7 +1,7 @@
 //! The line and the circle: sorted points, binary search.
 
 use super::kept::Kept;
-use super::{Metric, Neighbours, Scratch, check, select};
+use super::{Counter, Metric, Neighbours, Scratch, check, select};
 use crate::sample::Sample;
 use crate::space::Point;
 use rayon::prelude::*;
@@ -62,14 +62,19 @@ impl Sorted {
     }
 
     /// Where the k nearest to `t` begin, as a number for [`Sorted::turned`].
-    fn window(&self, t: f64, k: usize) -> isize {
+    fn window<C: Counter>(&self, t: f64, k: usize, counter: &mut C) -> isize {
         let (n, k) = (self.points.len() as isize, k as isize);
-        let right = self.points.partition_point(|&x| x < t) as isize;
+        let before = |&x: &f64| {
+            counter.nodes(1);
+            x < t
+        };
+        let right = self.points.partition_point(before) as isize;
         let (mut low, mut high) = (right - k, right);
         if !self.wraps() {
             (low, high) = (low.max(0), high.min(n - k));
         }
         while low < high {
+            counter.nodes(1);
             let middle = low + (high - low) / 2;
             if t - self.turned(middle) > self.turned(middle + k) - t {
                 low = middle + 1;
@@ -78,6 +83,30 @@ impl Sorted {
             }
         }
         low
+    }
+
+    /// The same as [`Neighbours::distance`], telling `counter` what it takes.
+    ///
+    /// # Panics
+    /// As that.
+    pub fn distance_counted<C: Counter>(
+        &self,
+        target: Point<1>,
+        k: usize,
+        scratch: &mut Scratch,
+        counter: &mut C,
+    ) -> f64 {
+        check(k, self.count());
+        let [t] = self.metric.home(target);
+        let first = self.window(t, k, counter);
+        let last = self.turned(first + k as isize - 1);
+        let radius = (t - self.turned(first)).abs().max((last - t).abs());
+        counter.distances(2);
+        if self.wraps() {
+            self.settle(t, radius, k, scratch)
+        } else {
+            radius * radius
+        }
     }
 
     /// The points from `from` on, in steps of 1 upwards, that `inside` holds for, which must hold for a beginning of them; at most n.
@@ -131,16 +160,7 @@ impl Neighbours<1> for Sorted {
     }
 
     fn distance(&self, target: Point<1>, k: usize, scratch: &mut Scratch) -> f64 {
-        check(k, self.count());
-        let [t] = self.metric.home(target);
-        let first = self.window(t, k);
-        let last = self.turned(first + k as isize - 1);
-        let radius = (t - self.turned(first)).abs().max((last - t).abs());
-        if self.wraps() {
-            self.settle(t, radius, k, scratch)
-        } else {
-            radius * radius
-        }
+        self.distance_counted(target, k, scratch, &mut ())
     }
 
     fn within(&self, target: Point<1>, squared: f64, show: &mut dyn FnMut(usize, f64)) {

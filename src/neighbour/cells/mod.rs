@@ -4,7 +4,7 @@ mod axis;
 mod ring;
 
 use super::kept::Kept;
-use super::{Found, Metric, Neighbours, Scratch, check};
+use super::{Counter, Found, Metric, Neighbours, Scratch, check};
 use crate::sample::Sample;
 use crate::space::Point;
 use axis::Axis;
@@ -110,6 +110,26 @@ impl Cells {
         })
     }
 
+    /// The same as [`Neighbours::distance`], telling `counter` what it takes.
+    ///
+    /// # Panics
+    /// As that.
+    pub fn distance_counted<C: Counter>(
+        &self,
+        target: Point<2>,
+        k: usize,
+        scratch: &mut Scratch,
+        counter: &mut C,
+    ) -> f64 {
+        check(k, self.count());
+        let home = self.metric.home(target);
+        if self.metric.wraps() {
+            self.kth::<true, C>(home, k, &mut scratch.bits, counter)
+        } else {
+            self.kth::<false, C>(home, k, &mut scratch.bits, counter)
+        }
+    }
+
     fn rows(&self) -> usize {
         self.axes[1].cells as usize
     }
@@ -184,13 +204,7 @@ impl Neighbours<2> for Cells {
     }
 
     fn distance(&self, target: Point<2>, k: usize, scratch: &mut Scratch) -> f64 {
-        check(k, self.count());
-        let home = self.metric.home(target);
-        if self.metric.wraps() {
-            self.kth::<true>(home, k, &mut scratch.bits)
-        } else {
-            self.kth::<false>(home, k, &mut scratch.bits)
-        }
+        self.distance_counted(target, k, scratch, &mut ())
     }
 
     fn gather(&self, target: Point<2>, k: usize, _scratch: &mut Scratch, found: &mut Vec<Found>) {

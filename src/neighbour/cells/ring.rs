@@ -1,6 +1,6 @@
 //! The points in a ring about a target, and how many are inside of it.
 
-use super::super::{Found, select};
+use super::super::{Counter, Found, select};
 use super::Cells;
 use super::axis::Range;
 use crate::space::Point;
@@ -23,13 +23,14 @@ const DEVIATIONS: f64 = 2.0;
 
 impl Cells {
     /// The `k`-th squared distance from `home`.
-    pub(super) fn kth<const WRAPS: bool>(
+    pub(super) fn kth<const WRAPS: bool, C: Counter>(
         &self,
         home: Point<2>,
         k: usize,
         bits: &mut Vec<u64>,
+        counter: &mut C,
     ) -> f64 {
-        let bounds = self.bounds(home, k);
+        let bounds = self.bounds(home, k, counter);
         let (low, high) = (
             bounds
                 .least
@@ -38,25 +39,26 @@ impl Cells {
                 .most
                 .min(bounds.expected * (1.0 + DEVIATIONS * bounds.spread)),
         );
-        let (below, found) = self.ring::<WRAPS>(home, low, high, bits);
+        let (below, found) = self.ring::<WRAPS, C>(home, (low, high), bits, counter);
         if below >= k {
-            let (below, found) = self.ring::<WRAPS>(home, bounds.least, low, bits);
+            let (below, found) = self.ring::<WRAPS, C>(home, (bounds.least, low), bits, counter);
             return select(&mut bits[..found], k - below);
         }
         if below + found < k {
-            let (below, found) = self.ring::<WRAPS>(home, high, bounds.most, bits);
+            let (below, found) = self.ring::<WRAPS, C>(home, (high, bounds.most), bits, counter);
             return select(&mut bits[..found], k - below);
         }
         select(&mut bits[..found], k - below)
     }
 
     /// From the least square of cells about the target that holds `k` points.
-    fn bounds(&self, home: Point<2>, k: usize) -> Bounds {
+    fn bounds<C: Counter>(&self, home: Point<2>, k: usize, counter: &mut C) -> Bounds {
         let [x, y] = self.axes;
         let (u, v) = (x.place(home[0]), y.place(home[1]));
         let (i, j) = (x.nearest(u), y.nearest(v));
         let square = |steps: isize| (x.around(i, steps), y.around(j, steps));
-        let count = |(columns, rows): (Range, Range)| -> usize {
+        let mut count = |(columns, rows): (Range, Range)| -> usize {
+            counter.nodes(1);
             let mut count = 0;
             for c in x.pieces(columns) {
                 for r in y.pieces(rows) {
@@ -110,16 +112,18 @@ impl Cells {
     }
 
     /// How many points have a squared distance below `low`, and how many from `low` to `high`; those distances are put into `bits`.
-    fn ring<const WRAPS: bool>(
+    fn ring<const WRAPS: bool, C: Counter>(
         &self,
         home: Point<2>,
-        low: f64,
-        high: f64,
+        (low, high): (f64, f64),
         bits: &mut Vec<u64>,
+        counter: &mut C,
     ) -> (usize, usize) {
         let (mut below, mut found) = (0, 0);
         self.stripes(home, low, high, |outer, sure| {
             below += sure;
+            counter.nodes(1);
+            counter.distances(outer.1 - outer.0);
             let points = &self.points[outer.0..outer.1];
             if bits.len() < found + points.len() {
                 bits.resize(2 * (found + points.len()), 0);
@@ -143,7 +147,7 @@ impl Cells {
 
     /// All points of a disc that holds `k`, with little beyond.
     pub(super) fn disc(&self, home: Point<2>, k: usize, found: &mut Vec<Found>) {
-        let bounds = self.bounds(home, k);
+        let bounds = self.bounds(home, k, &mut ());
         let likely = bounds.expected * (1.0 + DEVIATIONS * bounds.spread);
         let before = found.len();
         self.collect(home, bounds.most.min(likely), found);
