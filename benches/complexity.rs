@@ -9,12 +9,15 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use density_lab::estimator::{Context, Estimator};
 use density_lab::experiment::read::estimator_in;
+use density_lab::neighbour::{Scratch, Searchable};
 use density_lab::sample::Sample;
 use density_lab::space::{Domain, Field, Grid, Point};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
+use std::num::NonZeroUsize;
 use std::time::Duration;
 
 /// What is compared: a name, the estimator as a file would say it, and the largest n for which it is worth waiting.
@@ -131,5 +134,75 @@ fn over_places(bench: &mut Criterion) {
     group(bench, "over m, n = 10⁴", &cases, |_, m| m);
 }
 
-criterion_group!(benches, over_points, over_places);
+/// What a rule for the number of neighbours costs beside one look for the most that it may ask for, a place: looks alone (the distance to the k-th; the k nearest, as a photon map
+/// gathers them, with the k-th distance; a sorted list from the kiddo crate) and whole estimates, on an image of 256² cells from 10⁵ points.
+fn a_pixel(bench: &mut Criterion) {
+    const MOST: usize = 2000;
+    let one = ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("threads");
+    let n = 100_000;
+    let sample = Sample::equal(points(n), Domain::unit()).expect("legal");
+    let grid = Grid::new([0.0; 2], [1.0; 2], [256; 2]).expect("legal");
+    let finder = sample.neighbours();
+    let mut group = bench.benchmark_group("a pixel, k = 2000");
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(100))
+        .measurement_time(Duration::from_secs(2))
+        .throughput(Throughput::Elements(grid.len() as u64));
+    group.bench_function("distance", |b| {
+        let mut scratch = Scratch::default();
+        b.iter(|| {
+            grid.centres()
+                .map(|x| finder.distance(x, MOST, &mut scratch))
+                .sum::<f64>()
+        });
+    });
+    group.bench_function("k nearest", |b| {
+        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        b.iter(|| {
+            grid.centres()
+                .map(|x| {
+                    found.clear();
+                    finder.gather(x, MOST, &mut scratch, &mut found);
+                    let by_distance = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0);
+                    found.select_nth_unstable_by(MOST - 1, by_distance).1.0
+                })
+                .sum::<f64>()
+        });
+    });
+    let tree: ImmutableKdTree<f64, 2> =
+        ImmutableKdTree::new_from_slice(sample.points()).expect("finite");
+    let most = NonZeroUsize::new(MOST).expect("positive");
+    group.bench_function("kiddo nearest_n", |b| {
+        b.iter(|| {
+            grid.centres()
+                .map(|x| {
+                    let query = tree.query(&x);
+                    let found = query.nearest_n::<SquaredEuclidean<f64>>(most).execute();
+                    found.last().map_or(0.0, |hit| hit.distance)
+                })
+                .sum::<f64>()
+        });
+    });
+    for (name, text) in [
+        ("nearest neighbour", "nearest-neighbour = { k = 2000 }"),
+        (
+            "bias compensated",
+            "bias-compensated = { min = 50, max = 2000 }",
+        ),
+        ("Lepski", "lepski = { min = 50, max = 2000 }"),
+        ("nested test", "nested-test = { min = 50, max = 2000 }"),
+    ] {
+        let estimate = built(text, n).fit(&sample).expect("a fit");
+        group.bench_function(name, |b| {
+            b.iter(|| one.install(|| estimate.on(black_box(&grid))));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, over_points, over_places, a_pixel);
 criterion_main!(benches);

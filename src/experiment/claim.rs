@@ -297,10 +297,13 @@ pub enum Statement {
         /// Confidence of the interval for the share; 0.99 if not given.
         confidence: f64,
     },
-    /// `best = { of = SWEEP, near = "oracle", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum.
+    /// `best = { of = SWEEP, near = "oracle" | "exact", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum: that over the whole line or plane
+    /// whatever was swept (`oracle`), or that of the exact values of the same sweep over the same cells (`exact`).
     BestIsNear {
         /// The swept estimator.
         of: String,
+        /// Whether the optimum is that of the same sweep over the same cells.
+        swept: bool,
         /// How near, relative.
         within: f64,
     },
@@ -443,7 +446,7 @@ impl fmt::Display for Statement {
                     place.join(", ")
                 )
             }
-            Self::BestIsNear { of, within } => write!(
+            Self::BestIsNear { of, within, .. } => write!(
                 f,
                 "the best of {of} lies within {} % of the exact optimum",
                 significant(100.0 * within, 3)

@@ -46,6 +46,13 @@ pub enum FigureKind {
         /// Vertical markers: any of `h_mise`, `h_amise`, `silverman`, `normal-reference`, `scott`.
         mark: Vec<String>,
     },
+    /// The estimate at one place against the swept parameter: its mean and one standard deviation on each side, simulated and exact, and the truth.
+    Spread {
+        /// The swept estimator.
+        of: String,
+        /// The place: the target nearest to it is shown.
+        at: Vec<f64>,
+    },
     /// One small panel a source: truth and estimates of the first sample.
     Densities {},
     /// Maps of the plane.

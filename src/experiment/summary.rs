@@ -201,6 +201,7 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::Errors { .. } => "errors",
         FigureKind::Modes {} => "modes",
         FigureKind::Sweep { .. } => "sweep",
+        FigureKind::Spread { .. } => "spread",
         FigureKind::Convergence { .. } => "convergence",
         FigureKind::Coverage {} => "coverage",
         FigureKind::LocalBandwidth { .. } => "local-bandwidth",

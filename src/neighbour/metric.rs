@@ -84,13 +84,13 @@ impl<const D: usize> Metric<D> {
     /// The length or area of all places no farther than `radius` from one of them. On an axis that wraps round the ball meets itself
     /// when the radius is above half the period, and each place counts once.
     ///
-    /// # Panics
-    /// For more than two dimensions.
+    /// On the line and in the plane; in more dimensions it does not compile.
     pub fn ball(&self, radius: f64) -> f64 {
-        match D {
-            1 => (2.0 * radius).min(self.periods[0]),
-            2 => disc_in_box(radius, 0.5 * self.periods[0], 0.5 * self.periods[1]),
-            _ => unimplemented!("balls in {D} dimensions"),
+        const { assert!(D == 1 || D == 2, "balls on the line and in the plane") };
+        if D == 1 {
+            (2.0 * radius).min(self.periods[0])
+        } else {
+            disc_in_box(radius, 0.5 * self.periods[0], 0.5 * self.periods[D - 1])
         }
     }
 }

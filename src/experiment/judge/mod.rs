@@ -284,7 +284,9 @@ fn judge_one<const D: usize>(
                 *confidence,
             )
         }
-        Statement::BestIsNear { of, within } => best_is_near(bench, group, of, *within),
+        Statement::BestIsNear { of, swept, within } => {
+            best_is_near(bench, group, (of, *swept), *within)
+        }
         Statement::Coverage {
             of,
             at,

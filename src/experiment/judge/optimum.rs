@@ -9,17 +9,21 @@ use crate::kernel::{Shape, Symmetry};
 pub(super) fn best_is_near<const D: usize>(
     bench: &Bench<D>,
     group: &Group<D>,
-    of: &str,
+    (of, same_sweep): (&str, bool),
     within: f64,
 ) -> Option<(bool, String)> {
     let experiment = bench.experiment();
     let curve = swept(experiment, group, of, Measure::Mise);
     let (simulated, _) = lowest(&curve)?;
-    let first = experiment
-        .estimators
-        .iter()
-        .position(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == of))?;
-    let exact = bench.best_of_family(group.source, group.size, first)?.at;
+    let exact = if same_sweep {
+        lowest(&swept(experiment, group, of, Measure::ExactMise))?.0
+    } else {
+        let first = experiment
+            .estimators
+            .iter()
+            .position(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == of))?;
+        bench.best_of_family(group.source, group.size, first)?.at
+    };
     let apart = (simulated / exact - 1.0).abs();
     let detail = format!(
         "simulated optimum {}, exact {}: {} % apart",

@@ -133,11 +133,19 @@ fn best(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<
     let demanded = setting.demand(reader, &entry.key_span(), "the claim `best`", true, true);
     let read = settings(reader, entry, BEST)?;
     let of = read.values.word("of")?;
-    let known = setting.names.sweep(reader, of, &read.place("of"))
-        && (setting.names.members(of).iter().take(1))
-            .all(|member| evidence::optimum(reader, setting, member, &read.place("of")));
+    let swept = read.values.word("near") == Some("exact");
+    let place = read.place("of");
+    let known = setting.names.sweep(reader, of, &place)
+        && setting.names.members(of).iter().all(|member| {
+            if swept {
+                evidence::exact(reader, setting, member, &place, SIMULATED)
+            } else {
+                evidence::optimum(reader, setting, member, &place)
+            }
+        });
     (known && demanded).then_some(Statement::BestIsNear {
         of: of.to_owned(),
+        swept,
         within: read.values.number("within")?,
     })
 }

@@ -278,6 +278,15 @@ fn resolve(
                     mark: values.words("mark").to_vec(),
                 })
         }
+        "spread" => {
+            let of = values.word("of")?;
+            let known = setting.names.sweep(reader, of, &located.place("of"));
+            let at = setting.place(reader, located)?;
+            known.then(|| FigureKind::Spread {
+                of: of.to_owned(),
+                at,
+            })
+        }
         "densities" => Some(FigureKind::Densities {}),
         "efficiency" => Some(FigureKind::Efficiency {}),
         "comparison-table" => Some(FigureKind::ComparisonTable {}),
@@ -333,7 +342,7 @@ fn maps(reader: &mut Reader, located: &Located, setting: &Setting<'_>) -> Option
 fn made_title(form: &Form, values: &Values) -> String {
     match (form.name, values.word("measure"), values.word("of")) {
         ("errors", Some(measure), _) => format!("Errors: {}", measure.to_uppercase()),
-        ("sweep", _, Some(of)) => format!("{} of {of}", form.title),
+        ("sweep" | "spread", _, Some(of)) => format!("{} of {of}", form.title),
         _ => form.title.to_owned(),
     }
 }

@@ -147,7 +147,11 @@ pub(crate) const MODES: &[Form] = &[
 /// `best`.
 pub(crate) const BEST: &[Parameter] = &[
     Parameter::required("of", Kind::Text, "the swept estimator"),
-    Parameter::required("near", Kind::Choice(&["oracle"]), "the exact optimum"),
+    Parameter::required(
+        "near",
+        Kind::Choice(&["oracle", "exact"]),
+        "the exact optimum over the whole line or plane, or that of the exact values of the sweep itself over the experiment's cells",
+    ),
     Parameter::required("within", WITHIN, "how near, as a share of the optimum"),
 ];
 

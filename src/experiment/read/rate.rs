@@ -98,18 +98,7 @@ pub(super) fn coverage(
     if !truth {
         known &= evidence::exact(reader, setting, &of, &read.place("of"), SIMULATED);
     }
-    let mut at = vec![values.number("at")?];
-    match (setting.dimensions, values.number("at-y")) {
-        (Some(2), Some(y)) => at.push(y),
-        (Some(2), None) => {
-            reader.report(Problem::at(
-                read.place("at"),
-                "a place in the plane has two coordinates: give `at-y` too",
-            ));
-            return None;
-        }
-        _ => {}
-    }
+    let at = setting.place(reader, &read)?;
     known.then_some(Statement::Coverage {
         of,
         at,

@@ -4,6 +4,7 @@ use super::DRAWS;
 use super::names::Names;
 use super::node::{Item, Reader};
 use super::problem::{Problem, Span, printable};
+use super::value::Located;
 use crate::parameter::{listed, nearest};
 use std::collections::BTreeMap;
 
@@ -140,5 +141,21 @@ impl Setting<'_> {
             .allowed(listed(sources)),
         );
         false
+    }
+
+    /// `at`, and in the plane `at-y`.
+    pub(super) fn place(&self, reader: &mut Reader, read: &Located) -> Option<Vec<f64>> {
+        let x = read.values.number("at")?;
+        match (self.dimensions, read.values.number("at-y")) {
+            (Some(2), Some(y)) => Some(vec![x, y]),
+            (Some(2), None) => {
+                reader.report(Problem::at(
+                    read.place("at"),
+                    "a place in the plane has two coordinates: give `at-y` too",
+                ));
+                None
+            }
+            _ => Some(vec![x]),
+        }
     }
 }

@@ -147,7 +147,7 @@ impl<const D: usize> Bench<D> {
         }
         let left = &self.experiment.estimators;
         self.experiment.figures.retain(|figure| match &figure.kind {
-            FigureKind::Sweep { of, .. } => left
+            FigureKind::Sweep { of, .. } | FigureKind::Spread { of, .. } => left
                 .iter()
                 .any(|spec| spec.sweep.as_ref().is_some_and(|sweep| sweep.group == *of)),
             _ => true,

@@ -16,6 +16,7 @@ mod plane;
 mod regions;
 mod room;
 mod section;
+mod spread;
 mod sweep;
 mod tables;
 mod uncertain;

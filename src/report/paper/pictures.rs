@@ -1,7 +1,7 @@
 //! From the figures an experiment asks for to drawings.
 
 use super::{
-    Draws, Fine, Material, Paper, convergence, coverage, efficiency, errors, local, sweep,
+    Draws, Fine, Material, Paper, convergence, coverage, efficiency, errors, local, spread, sweep,
     uncertain,
 };
 use crate::experiment::results::{Group, Outcome};
@@ -87,6 +87,7 @@ where
         }
         FigureKind::Modes {} => Some(mode_counts(material, figure, group)),
         FigureKind::Sweep { of, mark } => Some(sweep::draw(material, figure, group, of, mark)),
+        FigureKind::Spread { of, at } => Some(spread::draw(material, figure, group, of, at)),
         FigureKind::Uncertainty { at, calibrated } => {
             Some(uncertain::draw(material, figure, group, *at, *calibrated))
         }

@@ -149,16 +149,14 @@ fn on_line(
 /// The k that makes the asymptotic mean squared error at a place least, for the density `f` and its second derivative (the Laplacian in the plane)
 /// there: k⁵ = 144 n⁴ f⁶/f''² on the line, k³ = 32 π² n² f⁴/(∆f)² in the plane. Infinite where the curvature is zero.
 ///
-/// From bias k² f''/(24 n² f²) or k ∆f/(8π n f) and variance f²/k. [Mack & Rosenblatt 1979]
-///
-/// # Panics
-/// For more than two dimensions.
+/// From bias k² f''/(24 n² f²) or k ∆f/(8π n f) and variance f²/k. [Mack & Rosenblatt 1979] In more dimensions it does not compile.
 pub fn best_neighbours<const D: usize>(draws: f64, f: f64, curvature: f64) -> f64 {
     use std::f64::consts::PI;
-    match D {
-        1 => (144.0 * draws.powi(4) * f.powi(6) / curvature.powi(2)).powf(0.2),
-        2 => (32.0 * PI * PI * draws.powi(2) * f.powi(4) / curvature.powi(2)).cbrt(),
-        _ => unimplemented!("{D} dimensions"),
+    const { assert!(D == 1 || D == 2, "on the line and in the plane") };
+    if D == 1 {
+        (144.0 * draws.powi(4) * f.powi(6) / curvature.powi(2)).powf(0.2)
+    } else {
+        (32.0 * PI * PI * draws.powi(2) * f.powi(4) / curvature.powi(2)).cbrt()
     }
 }
 

@@ -76,6 +76,24 @@ pub(crate) const FORMS: &[Form] = &[
         title: "Error against smoothing",
     },
     Form {
+        name: "spread",
+        summary: "the estimate at one place against the swept parameter: mean and one standard deviation on each side, simulated and exact, and the truth",
+        parameters: &[
+            Parameter::required("of", Kind::Text, "the swept estimator"),
+            Parameter::required(
+                "at",
+                Kind::Real,
+                "the place: the target nearest to it is shown",
+            ),
+            Parameter::optional("at-y", Kind::Real, Absent::Unset, "its second coordinate")
+                .only_in(2),
+        ],
+        truth: true,
+        replicates: true,
+        only: None,
+        title: "Estimate against smoothing",
+    },
+    Form {
         name: "convergence",
         summary: "a measure against the sample size, simulated and exact, with the slope of each estimator",
         parameters: &[Parameter::optional(
