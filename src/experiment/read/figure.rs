@@ -218,6 +218,18 @@ fn resolve(
             if !located.given("show") {
                 show = vec!["truth".to_owned(), "sample".to_owned()];
             }
+            let alone = show.len() == 1 || !show.iter().any(|word| word == "points");
+            if show.is_empty() || !alone {
+                let what = if show.is_empty() {
+                    "`show` is an empty list"
+                } else {
+                    "dots are ink on paper, the others colours: they do not go on one scale"
+                };
+                reader.report(Problem::at(located.place("show"), what).allowed(
+                    "`points` alone, or one or both of `truth` and `sample`; a second figure may show the others",
+                ));
+                return None;
+            }
             Some(FigureKind::Unfolded { show })
         }
         "curves" => {

@@ -21,6 +21,7 @@ use crate::sample::{Sample, SampleError};
 pub struct Hits {
     surfaces: Vec<Vec<Record>>,
     paths: u64,
+    astray: Vec<u32>,
 }
 
 impl Hits {
@@ -29,6 +30,7 @@ impl Hits {
         Self {
             surfaces: vec![Vec::new(); surfaces],
             paths,
+            astray: Vec::new(),
         }
     }
 
@@ -37,6 +39,16 @@ impl Hits {
         for record in records {
             self.surfaces[record.surface as usize].push(*record);
         }
+    }
+
+    /// Remembers paths that ended on no front.
+    pub fn lose(&mut self, paths: &[u32]) {
+        self.astray.extend_from_slice(paths);
+    }
+
+    /// The paths that ended on no front, but left the scene or met a back: their last hit is one that they survived.
+    pub fn astray(&self) -> &[u32] {
+        &self.astray
     }
 
     /// Makes room for `factor` times the hits that there are.

@@ -104,10 +104,10 @@ impl Photons {
             Some("absorption") => Score::Absorption,
             _ => Score::Collision,
         };
-        if score != Score::Collision && (attenuated || scene.open) {
+        if score != Score::Collision && attenuated {
             return Err(error(
                 "score",
-                "where paths end is known in a closed scene whose photons keep their power",
+                "where paths are absorbed is known of photons that keep their power",
             ));
         }
         let light = match values.word("light") {
@@ -150,6 +150,10 @@ impl Photons {
                 let last = &mut last[record.path as usize];
                 *last = (*last).max(record.bounce);
             }
+        }
+        // but for paths that left the scene or met a back, which survived that too
+        for &path in hits.astray() {
+            last[path as usize] = u16::MAX;
         }
         let ends = |record: &Record| last[record.path as usize] == record.bounce;
         let survival = self.score == Score::Survival;

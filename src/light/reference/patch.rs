@@ -65,9 +65,11 @@ impl Patch {
             .collect()
     }
 
-    /// What a small surface elsewhere receives of this patch's light if nothing stands between (see [`seen`]); 0 behind the front.
+    /// What a small surface elsewhere receives of this patch's light if nothing stands between (see [`seen`]); 0 behind the front, and from a place
+    /// in the plane of the patch: a place on the patch itself must not take it for all that there is to see because rounding has put it above.
     pub fn seen_from(&self, place: Vector, normal: Vector) -> f64 {
-        if (place - self.facet.origin).dot(&self.normal) <= 0.0 {
+        const FLAT: f64 = 1e-9;
+        if (place - self.facet.origin).dot(&self.normal) <= FLAT * self.size() {
             return 0.0;
         }
         let Facet {
@@ -117,13 +119,23 @@ impl Patch {
     }
 }
 
-/// All flat surfaces of `scene` in patches with no edge longer than `size`, those of a surface one after another. A surface that is not flat has none.
+/// A surface has at least so many patches along each edge of its facets: small ones throw shadows, too, and light their surroundings.
+const LEAST: f64 = 6.0;
+
+/// All flat surfaces of `scene` in patches with no edge longer than `size` or a sixth of the surface's own, those of a surface one after another. A
+/// surface that is not flat has none; meshes have no less than a patch for each of their facets.
 pub fn patches(scene: &Scene, size: f64) -> Vec<Patch> {
     let mut found = Vec::new();
     for (surface, described) in scene.surfaces().iter().enumerate() {
         for (part, facet) in described.shape.facets().iter().enumerate() {
             let Some(primitive) = scene.primitive(surface, part) else {
                 continue;
+            };
+            let size = if described.shape.facets().len() <= 2 {
+                let short = facet.first.norm().min(facet.second.norm());
+                size.min(short / LEAST)
+            } else {
+                size
             };
             cut(facet, size, &mut |facet| {
                 found.push(Patch::new(surface, primitive, facet));
@@ -175,6 +187,33 @@ fn cut(facet: &Facet, size: f64, found: &mut dyn FnMut(Facet)) {
                     triangle,
                 });
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Facet, Patch, Vector};
+
+    /// Planes that are not along the axes, so that places in them are off by rounding, to either side.
+    #[test]
+    fn a_patch_is_not_seen_from_itself() {
+        for step in 0..400 {
+            let angle = 0.0157 * f64::from(step);
+            let first = Vector::new(angle.cos(), 0.1, angle.sin());
+            let second = Vector::new(-0.3, 1.0, 0.2 * angle);
+            let facet = Facet {
+                origin: Vector::new(0.3, -0.7, 0.11),
+                first,
+                second,
+                triangle: false,
+            };
+            let patch = Patch::new(0, 0, facet);
+            let place = facet.origin + first * 0.37 + second * 0.61;
+            assert!(patch.seen_from(place, patch.normal) <= 0.0, "{step}");
+            // but from just above a surface turned to it, it is nearly all
+            let above = place + patch.normal * 1e-4;
+            assert!(patch.seen_from(above, -patch.normal) > 0.99, "{step}");
         }
     }
 }

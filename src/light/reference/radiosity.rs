@@ -123,7 +123,11 @@ impl Level {
         if patches.len() > MOST {
             return Err(RadiosityError::Many(patches.len()));
         }
-        let factors = form_factors(scene, &patches);
+        let mut factors = form_factors(scene, &patches);
+        if !scene.open {
+            // all light in a closed room comes from somewhere
+            factors.close();
+        }
         let surface = |patch: &Patch| &scene.surfaces()[patch.surface];
         let reflectance: Vec<[f64; 3]> = patches
             .iter()

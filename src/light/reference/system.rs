@@ -22,6 +22,9 @@ pub struct Unbalanced;
 /// Patches up to which the system is solved by elimination: n³/3 operations, a fifth of a second. Above, sweeps of n² operations each win.
 const ELIMINATED: usize = 600;
 
+/// Patches that see no more than this share of what is around them are taken for covered.
+const COVERED: f64 = 0.02;
+
 impl FormFactors {
     /// From rows one after another.
     ///
@@ -40,6 +43,21 @@ impl FormFactors {
     /// The shares of what leaves patch `from`.
     pub fn row(&self, from: usize) -> &[f64] {
         &self.shares[from * self.count..(from + 1) * self.count]
+    }
+
+    /// Makes the shares of each patch sum to 1, as they do in a closed room: what rows miss by quadrature, and what they miss because a patch is covered
+    /// in part by something that stands on it. What is then solved for is the radiosity of the part that is not covered, which is what other patches see. A
+    /// patch that is all but covered is left as it is.
+    pub fn close(&mut self) {
+        for i in 0..self.count {
+            let row = &mut self.shares[i * self.count..(i + 1) * self.count];
+            let sum: f64 = row.iter().sum();
+            if sum > COVERED {
+                for share in row {
+                    *share /= sum;
+                }
+            }
+        }
     }
 
     /// The irradiance of each patch if patch j has the radiosity bⱼ: by reciprocity Σⱼ Fᵢⱼ bⱼ.

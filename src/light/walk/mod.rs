@@ -102,6 +102,8 @@ pub struct Walk<'s> {
 pub struct Trace {
     /// The hits in the order of paths.
     pub records: Vec<Record>,
+    /// Paths that ended on no front: they left the scene, or met a back.
+    pub astray: Vec<u32>,
     /// Where the light went.
     pub ledger: Ledger,
 }
@@ -160,6 +162,7 @@ impl<'s> Walk<'s> {
                 .collect();
             for trace in &traces {
                 hits.extend(&trace.records);
+                hits.lose(&trace.astray);
                 ledger.add(&trace.ledger);
             }
             if done == 0 && next < blocks {
@@ -207,6 +210,7 @@ impl<L: Given> WithSimd for Task<'_, L> {
         let last = (first + BLOCK).min(walk.paths);
         let mut trace = Trace {
             records: Vec::with_capacity(4 * BLOCK as usize),
+            astray: Vec::new(),
             ledger: Ledger::default(),
         };
         for path in first..last {
@@ -229,7 +233,11 @@ fn follow<S: Simd, L: Carried>(
     random: &mut Stream,
     trace: &mut Trace,
 ) {
-    let Trace { records, ledger } = trace;
+    let Trace {
+        records,
+        astray,
+        ledger,
+    } = trace;
     let scene = walk.scene;
     let Start { mut ray, mut light } = start;
     let first_power = light.power();
@@ -240,6 +248,7 @@ fn follow<S: Simd, L: Carried>(
         let Some(found) = scene.caster().nearest_in(simd, &ray, f64::INFINITY) else {
             ledger.escaped += light.power();
             ledger.left += 1;
+            astray.push(path);
             return;
         };
         let (surface, part) = scene.part(found.primitive);
@@ -250,6 +259,7 @@ fn follow<S: Simd, L: Carried>(
         let material = &*about.material;
         if !(front || material.is_clear()) {
             ledger.behind += light.power();
+            astray.push(path);
             break;
         }
         if bounce == u16::MAX {

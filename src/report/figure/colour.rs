@@ -10,6 +10,8 @@ pub enum Colours {
     Amount,
     /// Blue below zero, white at zero, red above; as far to one side as to the other.
     Signed,
+    /// From paper to ink: dots.
+    Ink,
 }
 
 /// Ten of the colours of viridis, equally spaced. [Smith & van der Walt 2015, matplotlib]
@@ -24,12 +26,16 @@ const DIVERGING: [u32; 11] = [
     0xd6_60_4d, 0xb2_18_2b, 0x67_00_1f,
 ];
 
+/// Paper and the ink of lines.
+const INK: [u32; 2] = [0xff_ff_ff, 0x26_26_26];
+
 impl Colours {
     /// The colour at `place`, 0 to 1 along the ramp.
     pub(super) fn at(self, place: f64) -> RGBColor {
         let ramp: &[u32] = match self {
             Self::Amount => &VIRIDIS,
             Self::Signed => &DIVERGING,
+            Self::Ink => &INK,
         };
         let t = place.clamp(0.0, 1.0) * (ramp.len() - 1) as f64;
         let below = (t as usize).min(ramp.len() - 2);

@@ -2,15 +2,15 @@
 
 use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::colour::Colours;
-use super::contour::contours;
 use super::curves::{WIDTH, nothing};
 use super::panel::{Panel, overhang, room_left, title, widest};
 use super::path::Place;
+use super::pieces::{Piece, outlined};
 use super::pixels::encoded;
 use super::scale::{Scale, Ticks};
 use super::style::{self, Stroke};
 use super::{Axis, Svg};
-use crate::report::text::{fit, width};
+use crate::report::text::fit;
 use plotters::style::RGBColor;
 
 /// One map.
@@ -47,6 +47,8 @@ pub struct HeatMaps {
     pub levels: bool,
     /// The corners of the polygon that bounds the domain; empty where there is none.
     pub outline: Vec<[f64; 2]>,
+    /// Pieces that the maps are put together of, outlined and named; axes and their numbers mean nothing then and are left out.
+    pub pieces: Vec<Piece>,
     /// A line drawn across each map, such as that of a cross-section; empty where there is none.
     pub across: Vec<[f64; 2]>,
     /// Maps in a row.
@@ -100,14 +102,19 @@ impl HeatMaps {
     pub fn draw(&self) -> Svg {
         let scale = self.scale();
         let bar_ticks = scale.ticks(200.0, false);
-        let bar_room = BAR + 12.0 + widest(&bar_ticks) + 32.0;
+        let bar_room = if self.colours == Colours::Ink {
+            0.0
+        } else {
+            BAR + 12.0 + widest(&bar_ticks) + 32.0
+        };
         let mut layout = self.layout(bar_room);
         let heading = Canvas::new(WIDTH, 1.0).title(&self.title, WIDTH - 2.0 * MARGIN);
         let titled = self.maps.iter().any(|map| !map.title.is_empty());
         layout.top = heading + if titled { 22.0 } else { 8.0 };
         let rows = layout.rows(self.maps.len());
         let bottom = layout.top + layout.pitch * (rows - 1) as f64 + layout.size.1;
-        let canvas = Canvas::new(WIDTH, bottom + 44.0);
+        let below = if self.pieces.is_empty() { 44.0 } else { 12.0 };
+        let canvas = Canvas::new(WIDTH, bottom + below);
         canvas.title(&self.title, WIDTH - 2.0 * MARGIN);
         for index in 0..self.maps.len() {
             self.map(&canvas, &layout, index, scale);
@@ -124,7 +131,9 @@ impl HeatMaps {
             right + 14.0,
             layout.top + 0.5 * (bottom - layout.top - height),
         );
-        self.bar(&canvas, at, height, scale);
+        if self.colours != Colours::Ink {
+            self.bar(&canvas, at, height, scale);
+        }
         canvas.finish(&self.title, &self.description)
     }
 
@@ -137,6 +146,7 @@ impl HeatMaps {
             }
         }
         match self.colours {
+            Colours::Ink => Scale::linear(0.0, 1.0),
             Colours::Signed => {
                 let most = low.abs().max(high.abs());
                 let most = if most > 0.0 && most.is_finite() {
@@ -168,8 +178,12 @@ impl HeatMaps {
         };
         // one unit is as long upwards as across, unless that would make a thread of the map
         let shape = (extent(y) / extent(x)).clamp(0.2, 3.0);
-        let left = room_left(y, 200.0, true) + 6.0;
-        let gap = 14.0 + overhang(x, 200.0).1 + overhang(x, 200.0).0;
+        let (left, gap, below) = if self.pieces.is_empty() {
+            let gap = 14.0 + overhang(x, 200.0).1 + overhang(x, 200.0).0;
+            (room_left(y, 200.0, true) + 6.0, gap, 44.0)
+        } else {
+            (MARGIN, 14.0, 30.0)
+        };
         let room = WIDTH - left - bar_room - MARGIN - gap * (columns - 1) as f64;
         let tallest = if columns == 1 { TALLEST } else { 0.8 * TALLEST };
         let across = (room / columns as f64).min(tallest / shape).max(40.0);
@@ -182,7 +196,7 @@ impl HeatMaps {
             top: 0.0,
             size,
             gap,
-            pitch: size.1 + 44.0,
+            pitch: size.1 + below,
         }
     }
 
@@ -208,6 +222,26 @@ impl HeatMaps {
             panel.line(line(), Stroke::new(RGBColor(255, 255, 255), 2.2));
             panel.line(line(), Stroke::new(style::INK, 1.1).dashed("4 3"));
         }
+        if self.pieces.is_empty() {
+            self.frame(canvas, &panel, layout, index);
+        } else {
+            outlined(&self.pieces, canvas, &panel);
+        }
+        let name = fit(
+            &map.title,
+            1.07 * style::LABEL,
+            layout.size.0 + layout.gap - 8.0,
+        );
+        canvas.text(
+            (corner.0, corner.1 - 9.0),
+            &name,
+            Type::new(style::LABEL, style::INK, Hang::Left).bold(),
+        );
+    }
+
+    /// The rim of a map, with ticks, and numbers where no other map is between it and the edge.
+    fn frame(&self, canvas: &Canvas, panel: &Panel<'_>, layout: &Layout, index: usize) {
+        let frame = panel.frame;
         let rim = [
             (frame.left, frame.top),
             (frame.right(), frame.top),
@@ -237,19 +271,12 @@ impl HeatMaps {
         if index.is_multiple_of(layout.columns) {
             panel.labels_left(&down);
         }
-        let name = fit(
-            &map.title,
-            1.07 * style::LABEL,
-            layout.size.0 + layout.gap - 8.0,
-        );
-        canvas.text(
-            (corner.0, corner.1 - 9.0),
-            &name,
-            Type::new(style::LABEL, style::INK, Hang::Left).bold(),
-        );
     }
 
     fn titles(&self, canvas: &Canvas, layout: &Layout, bottom: f64) {
+        if !self.pieces.is_empty() {
+            return;
+        }
         let (across, down) = layout.ticks();
         let kind = Type::new(style::LABEL, style::INK, Hang::Middle);
         let shown = self.maps.len().clamp(1, layout.columns) as f64;
@@ -304,69 +331,6 @@ impl HeatMaps {
             &fit(&label, style::LABEL, height + 20.0),
             Type::new(style::LABEL, style::INK, Hang::Middle).upwards(),
         );
-    }
-
-    /// Lines at the ticks of the colour bar, each with its value where it runs most level.
-    fn level_lines(&self, canvas: &Canvas, panel: &Panel<'_>, values: &[f64], scale: Scale) {
-        let frame = panel.frame;
-        let ticks = scale.ticks(200.0, false);
-        let mut taken: Vec<Place> = Vec::new();
-        for (level, label) in &ticks.major {
-            let place = scale.place(*level);
-            if !(0.01..=0.99).contains(&place) {
-                continue;
-            }
-            let light = self.colours.is_light(place);
-            let ink = if light {
-                style::INK
-            } else {
-                RGBColor(255, 255, 255)
-            };
-            let lines = contours(values, self.cells, *level);
-            let spot = |axis: usize, t: f64| {
-                let width = (self.high[axis] - self.low[axis]) / self.cells[axis] as f64;
-                (t + 0.5).mul_add(width, self.low[axis])
-            };
-            let on_sheet = |p: Place| (frame.across(spot(0, p.0)), frame.down(spot(1, p.1)));
-            for line in &lines {
-                panel.line(
-                    line.iter().map(|p| (spot(0, p.0), spot(1, p.1))),
-                    Stroke::new(ink, 0.7),
-                );
-            }
-            let room = width(label, 0.85 * style::TICK) + 5.0;
-            let longest = lines.iter().max_by_key(|line| line.len());
-            let Some(line) = longest.filter(|line| line.len() > 8) else {
-                continue;
-            };
-            let reach = (line.len() / 24).max(2);
-            let free = |at: &Place| {
-                (frame.left + room..=frame.right() - room).contains(&at.0)
-                    && (frame.top + 7.0..=frame.bottom() - 7.0).contains(&at.1)
-                    && taken
-                        .iter()
-                        .all(|t| (t.0 - at.0).abs() > 1.2 * room || (t.1 - at.1).abs() > 11.0)
-            };
-            let steepness = |k: usize| {
-                let (a, b) = (on_sheet(line[k - reach]), on_sheet(line[k + reach]));
-                (b.1 - a.1).abs() / (b.0 - a.0).hypot(b.1 - a.1).max(1e-9)
-            };
-            let best = (reach..line.len() - reach)
-                .filter(|&k| free(&on_sheet(line[k])))
-                .min_by(|&a, &b| steepness(a).total_cmp(&steepness(b)));
-            let Some(at) = best.map(|k| on_sheet(line[k])) else {
-                continue;
-            };
-            taken.push(at);
-            let (half, up) = (0.5 * room - 1.0, 5.0);
-            canvas.rectangle(
-                (at.0 - half, at.1 - up),
-                (at.0 + half, at.1 + up),
-                self.colours.at(place),
-                1.0,
-            );
-            canvas.text(at, label, Type::new(0.85 * style::TICK, ink, Hang::Middle));
-        }
     }
 
     /// One pixel a cell, upwards on the second axis; blocks of cells are averaged where there are more than the eye can see.

@@ -185,9 +185,9 @@ fn maps(
             colours,
             levels,
             outline: material.bench.outline(group.source).to_vec(),
-            across: Vec::new(),
             columns,
             maps,
+            ..HeatMaps::default()
         };
         (apart.then_some(what), drawing.draw())
     })

@@ -6,11 +6,15 @@ use super::unfold::{Face, Placed, unfold};
 use crate::experiment::Figure;
 use crate::experiment::results::Group;
 use crate::experiment::run::RunError;
-use crate::report::figure::{Axis, Colours, HeatMaps, Map, Svg};
+use crate::report::figure::{Axis, Colours, HeatMaps, Map, Piece, Svg};
 use crate::space::{Grid, Point};
 
-/// Pixels of the longer side.
+/// Pixels of the longer side of a map, and of one of dots.
 const PIXELS: usize = 420;
+const FINE: usize = 1020;
+/// A dot is as large as this share of the paper over the number of dots allows, and has up to so many pixels across.
+const COVERED: f64 = 0.06;
+const LARGEST: i64 = 4;
 
 /// Faces on paper, and which of them each pixel shows where.
 struct Sheet {
@@ -23,7 +27,7 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn of(faces: &[Face]) -> Self {
+    fn of(faces: &[Face], pixels: usize) -> Self {
         let placed = unfold(faces);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for (face, placed) in faces.iter().zip(&placed) {
@@ -33,7 +37,7 @@ impl Sheet {
                 high[k] = high[k].max(most[k]);
             }
         }
-        let pixel = (high[0] - low[0]).max(high[1] - low[1]) / PIXELS as f64;
+        let pixel = (high[0] - low[0]).max(high[1] - low[1]) / pixels as f64;
         let cells = [0, 1].map(|k: usize| ((high[k] - low[k]) / pixel).ceil().max(1.0) as usize);
         let mut sheet = Self {
             high: [0, 1].map(|k: usize| low[k] + cells[k] as f64 * pixel),
@@ -82,27 +86,59 @@ impl Sheet {
         }
     }
 
-    /// 1 at each pixel with a point, 0 at the other pixels of a face.
+    /// 1 at each pixel of a dot, 0 at the other pixels of a face. Few dots are larger, so that they are seen.
     fn dots(&self, title: &str, points: &[Vec<Point<2>>]) -> Map {
         let mut values: Vec<f64> = self
             .shown
             .iter()
             .map(|shown| if shown.is_some() { 0.0 } else { f64::NAN })
             .collect();
+        let count: usize = points.iter().map(Vec::len).sum();
+        let room = self.shown.iter().flatten().count() as f64 / count.max(1) as f64;
+        let across = ((COVERED * room).sqrt() as i64).clamp(1, LARGEST);
         for (placed, points) in self.placed.iter().zip(points) {
             for &point in points {
                 let place = placed.place(point);
                 let [i, j] = [0, 1].map(|k: usize| {
                     let share = (place[k] - self.low[k]) / (self.high[k] - self.low[k]);
-                    ((share * self.cells[k] as f64).max(0.0) as usize).min(self.cells[k] - 1)
+                    ((share * self.cells[k] as f64).max(0.0) as usize).min(self.cells[k] - 1) as i64
                 });
-                values[i * self.cells[1] + j] = 1.0;
+                let from = -(across - 1) / 2;
+                for (a, b) in (from..from + across)
+                    .flat_map(|a| (from..from + across).map(move |b| (i + a, j + b)))
+                {
+                    if (0..self.cells[0] as i64).contains(&a)
+                        && (0..self.cells[1] as i64).contains(&b)
+                    {
+                        let value = &mut values[a as usize * self.cells[1] + b as usize];
+                        // not on the paper beside a face
+                        if value.is_finite() {
+                            *value = 1.0;
+                        }
+                    }
+                }
             }
         }
         Map {
             title: title.to_owned(),
             values,
         }
+    }
+
+    /// The outline of each face with its name.
+    fn pieces(&self, faces: &[Face], names: &[String]) -> Vec<Piece> {
+        let placed = self.placed.iter().zip(faces).zip(names);
+        placed
+            .map(|((placed, face), name)| {
+                let [[a, b], [c, d]] = [face.low, face.high];
+                Piece {
+                    name: name.clone(),
+                    corners: [[a, b], [c, b], [c, d], [a, d]]
+                        .map(|corner| placed.place(corner))
+                        .to_vec(),
+                }
+            })
+            .collect()
     }
 }
 
@@ -115,10 +151,13 @@ pub(super) fn unfolded(
 ) -> Result<Option<Svg>, RunError> {
     let wants = |what: &str| show.iter().any(|word| word == what);
     let mut faces = Vec::new();
+    let mut names = Vec::new();
     for (group, _) in groups {
         let Some(frame) = material.bench.frame(group.source) else {
             return Ok(None);
         };
+        let source = &material.bench.experiment().sources[group.source];
+        names.push(source.name().replace('_', " "));
         faces.push(Face {
             frame,
             low: group.grid.low(),
@@ -128,11 +167,10 @@ pub(super) fn unfolded(
     let Some((first, _)) = groups.first() else {
         return Ok(None);
     };
-    let sheet = Sheet::of(&faces);
+    let dots = wants("points");
+    let sheet = Sheet::of(&faces, if dots { FINE } else { PIXELS });
     let mut maps = Vec::new();
-    let mut dots = false;
-    if wants("points") {
-        dots = true;
+    if dots {
         let points: Vec<Vec<Point<2>>> = groups
             .iter()
             .map(|(group, _)| {
@@ -169,12 +207,9 @@ pub(super) fn unfolded(
         low: sheet.low,
         high: sheet.high,
         cells: sheet.cells,
-        label: if dots {
-            "hit or none".to_owned()
-        } else {
-            "power per area".to_owned()
-        },
-        colours: Colours::Amount,
+        label: "power per area".to_owned(),
+        colours: if dots { Colours::Ink } else { Colours::Amount },
+        pieces: sheet.pieces(&faces, &names),
         columns: maps.len().clamp(1, 3),
         maps,
         ..HeatMaps::default()
