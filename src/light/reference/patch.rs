@@ -119,23 +119,13 @@ impl Patch {
     }
 }
 
-/// A surface has at least so many patches along each edge of its facets: small ones throw shadows, too, and light their surroundings.
-const LEAST: f64 = 6.0;
-
-/// All flat surfaces of `scene` in patches with no edge longer than `size` or a sixth of the surface's own, those of a surface one after another. A
-/// surface that is not flat has none; meshes have no less than a patch for each of their facets.
+/// All flat surfaces of `scene` in patches with no edge longer than `size`, those of a surface one after another. A surface that is not flat has none.
 pub fn patches(scene: &Scene, size: f64) -> Vec<Patch> {
     let mut found = Vec::new();
     for (surface, described) in scene.surfaces().iter().enumerate() {
         for (part, facet) in described.shape.facets().iter().enumerate() {
             let Some(primitive) = scene.primitive(surface, part) else {
                 continue;
-            };
-            let size = if described.shape.facets().len() <= 2 {
-                let short = facet.first.norm().min(facet.second.norm());
-                size.min(short / LEAST)
-            } else {
-                size
             };
             cut(facet, size, &mut |facet| {
                 found.push(Patch::new(surface, primitive, facet));
