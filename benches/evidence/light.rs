@@ -10,7 +10,7 @@
 //! Holm's procedure at the level 0.01.
 
 use density_lab::light::reference::{PathTracer, Reference};
-use density_lab::light::scene::{Scene, read};
+use density_lab::light::scene::{Scene, Surface, read};
 use density_lab::light::walk::{Power, Walk};
 use density_lab::random::{self, open_unit};
 use rayon::prelude::*;
@@ -185,7 +185,7 @@ impl Cells {
             batches,
             all,
             counts,
-            areas: scene.surfaces().iter().map(|s| s.area()).collect(),
+            areas: scene.surfaces().iter().map(Surface::area).collect(),
         }
     }
 

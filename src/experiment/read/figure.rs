@@ -205,6 +205,27 @@ fn kind<'d>(
     }
 }
 
+/// What an unfolded figure shows.
+fn shown_unfolded(reader: &mut Reader, located: &Located) -> Option<Vec<String>> {
+    let mut show = located.values.words("show").to_vec();
+    if !located.given("show") {
+        show = vec!["truth".to_owned(), "sample".to_owned()];
+    }
+    let alone = show.len() == 1 || !show.iter().any(|word| word == "points");
+    if show.is_empty() || !alone {
+        let what = if show.is_empty() {
+            "`show` is an empty list"
+        } else {
+            "dots are ink on paper, the others colours: they do not go on one scale"
+        };
+        reader.report(Problem::at(located.place("show"), what).allowed(
+            "`points` alone, or one or both of `truth` and `sample`; a second figure may show the others",
+        ));
+        return None;
+    }
+    Some(show)
+}
+
 fn resolve(
     reader: &mut Reader,
     kind: &str,
@@ -214,22 +235,7 @@ fn resolve(
     let values = &located.values;
     match kind {
         "unfolded" => {
-            let mut show = values.words("show").to_vec();
-            if !located.given("show") {
-                show = vec!["truth".to_owned(), "sample".to_owned()];
-            }
-            let alone = show.len() == 1 || !show.iter().any(|word| word == "points");
-            if show.is_empty() || !alone {
-                let what = if show.is_empty() {
-                    "`show` is an empty list"
-                } else {
-                    "dots are ink on paper, the others colours: they do not go on one scale"
-                };
-                reader.report(Problem::at(located.place("show"), what).allowed(
-                    "`points` alone, or one or both of `truth` and `sample`; a second figure may show the others",
-                ));
-                return None;
-            }
+            let show = shown_unfolded(reader, located)?;
             Some(FigureKind::Unfolded { show })
         }
         "curves" => {
