@@ -1,13 +1,14 @@
-"""A virtual environment with the pinned peers, beside this file. A peer that cannot be had is reported, not fatal."""
+"""A virtual environment with the pinned peers, beside this file or where LAB_PEERS_VENV says. A peer that cannot be had is reported, not fatal."""
 
 import hashlib
+import os
 import subprocess
 import sys
 import venv
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FOLDER = HERE / ".venv"
+FOLDER = Path(os.environ.get("LAB_PEERS_VENV", HERE / ".venv")).resolve()
 PYTHON = str(FOLDER / "bin" / "python")
 REQUIREMENTS = HERE / "requirements.txt"
 

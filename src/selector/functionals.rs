@@ -28,7 +28,7 @@ impl Functionals {
     pub fn new(sample: &Sample<1>) -> Result<Self, SelectError> {
         let spread = Spread::of(sample)?;
         Ok(Self {
-            pairs: GaussianPairs::new(sample),
+            pairs: GaussianPairs::within(sample, (spread.least, spread.most)),
             n: sample.effective_size(),
             unit: spread.deviation,
             quartile_range: spread.interquartile_range / spread.deviation,
@@ -48,6 +48,11 @@ impl Functionals {
     /// Makes what serves exact sums at `g` and above: one pass over the data.
     pub fn prepare(&self, g: f64) {
         self.sum(0, g);
+    }
+
+    /// Makes what serves glances at `g` and above: one pass over the data.
+    pub fn expect(&self, g: f64) {
+        self.pairs.expect(g * self.unit);
     }
 
     /// ∫ (f̂⁽ˢ⁾)² of the estimate with bandwidth h, a sum over pairs at √2 h; never negative.

@@ -1,8 +1,10 @@
-//! Deviation and quartiles of a sample in a few passes, without sorting it.
+//! Deviation and quartiles of a sample in one pass, without sorting it.
+// code compiled for wide registers must end up inside the function that `pulp` compiles for them
+#![allow(clippy::inline_always)]
 
 use super::SelectError;
 use crate::sample::{Sample, Summary, Weights};
-use crate::space::binning::{Mesh, count};
+use pulp::{Arch, Simd, WithSimd};
 
 /// How wide the data lie, in the measures that rules use. The numbers are those of [`Summary`].
 #[derive(Clone, Copy, Debug)]
@@ -19,11 +21,8 @@ const BLOCK: usize = 4096;
 /// Samples below this are simply copied to find their quartiles.
 const SMALL: usize = 1 << 14;
 
-/// Data among which those near a quartile are looked for at one go.
-const RUN: usize = 64;
-
-/// Cells that are counted to find the quartiles of large samples.
-const CELLS: usize = 4096;
+/// One datum of so many is looked at to know about where the quartiles of large samples are.
+const STEP: usize = 32;
 
 impl Spread {
     /// Measures `sample`. O(n) for equal weights, O(n log n) else.
@@ -63,39 +62,122 @@ impl Spread {
     }
 
     fn equal(x: &[f64]) -> (Self, f64) {
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        // number, mean and squares about it, block by block [Chan, Golub & LeVeque 1983]
-        let (mut n, mut mean, mut squares) = (0.0, x[0], 0.0);
-        for block in x.chunks(BLOCK) {
-            // about the mean so far, which costs no digits far from zero
-            let (low, high, sum) = survey(block, mean);
-            let size = block.len() as f64;
-            (least, most) = (least.min(low), most.max(high));
-            let shift = sum / size;
-            let own = scatter(block, mean + shift);
-            squares += own + shift * shift * (n * size / (n + size));
-            mean += shift * (size / (n + size));
-            n += size;
-        }
-        let deviation = if x.len() > 1 {
-            (squares / (n - 1.0)).sqrt()
+        let n = x.len();
+        let [low, high] = [0.25, 0.75].map(|p| {
+            let place = p * (n - 1) as f64;
+            (place.floor() as usize, place.fract())
+        });
+        let brackets = (n >= SMALL).then(|| brackets(x, [low.0, high.0]));
+        let pass = Arch::new().dispatch(Pass { x, brackets });
+        let deviation = if n > 1 {
+            (pass.squares / (n - 1) as f64).sqrt()
         } else {
             0.0
         };
+        // the quartiles of type 7: the order statistics at 1 + (n - 1)p, linear in between [Hyndman & Fan 1996]
+        let mut near = pass.near;
+        let [first, third] = [(0, low), (1, high)].map(|(k, (rank, beyond))| {
+            let Near {
+                below,
+                ref mut found,
+            } = near[k];
+            let [below, above] = match rank.checked_sub(below) {
+                Some(rank) if rank + 1 < found.len() => among(found, rank),
+                _ => among(&mut x.to_vec(), rank),
+            };
+            (below, beyond * (above - below))
+        });
         let spread = Self {
-            least,
-            most,
+            least: pass.least,
+            most: pass.most,
             deviation,
-            interquartile_range: interquartile_range(x, least, most),
+            interquartile_range: (third.0 - first.0) + (third.1 - first.1),
         };
-        (spread, mean)
+        (spread, pass.mean)
     }
 }
 
 /// Numbers that are kept beside each other in vector registers.
-const LANES: usize = 8;
+const LANES: usize = 16;
+
+/// Between which values the order statistics `ranks` and those after them lie, very likely: five deviations of the rank to both sides in a sample of
+/// the data taken at even steps.
+fn brackets(x: &[f64], ranks: [usize; 2]) -> [[f64; 2]; 2] {
+    let mut some: Vec<f64> = x.iter().copied().step_by(STEP).collect();
+    let size = some.len();
+    ranks.map(|rank| {
+        let share = (rank + 1) as f64 / x.len() as f64;
+        let margin = 5.0 * (share * (1.0 - share) * size as f64).sqrt() + 2.0;
+        let place = share * size as f64;
+        let mut at = |place: f64| {
+            let place = place.clamp(0.0, (size - 1) as f64) as usize;
+            *some.select_nth_unstable_by(place, f64::total_cmp).1
+        };
+        [at(place - margin), at(place + margin)]
+    })
+}
+
+/// The data of a bracket.
+#[derive(Default)]
+struct Near {
+    /// Data below the bracket.
+    below: usize,
+    /// Data within it.
+    found: Vec<f64>,
+}
+
+/// What one pass over the data finds.
+struct Found {
+    least: f64,
+    most: f64,
+    mean: f64,
+    /// About the mean.
+    squares: f64,
+    near: [Near; 2],
+}
+
+/// One pass over the data, compiled for wide registers.
+struct Pass<'a> {
+    x: &'a [f64],
+    brackets: Option<[[f64; 2]; 2]>,
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Found {
+        let mut all = Found {
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            mean: self.x[0],
+            squares: 0.0,
+            near: [Near::default(), Near::default()],
+        };
+        // number, mean and squares about it, block by block [Chan, Golub & LeVeque 1983]
+        let mut n = 0.0;
+        for block in self.x.chunks(BLOCK) {
+            // about the mean so far, which costs no digits far from zero
+            let (low, high, sum) = survey(block, all.mean);
+            let size = block.len() as f64;
+            (all.least, all.most) = (all.least.min(low), all.most.max(high));
+            let shift = sum / size;
+            let own = scatter(block, all.mean + shift);
+            all.squares += own + shift * shift * (n * size / (n + size));
+            all.mean += shift * (size / (n + size));
+            n += size;
+            if let Some(brackets) = self.brackets {
+                for k in 0..2 {
+                    gather(block, brackets[k], &mut all.near[k]);
+                }
+            }
+        }
+        all
+    }
+}
 
 /// The least and the largest of `block`, and the sum of their distances from `mean`.
+#[inline(always)]
 fn survey(block: &[f64], mean: f64) -> (f64, f64, f64) {
     let mut low = [f64::INFINITY; LANES];
     let mut high = [f64::NEG_INFINITY; LANES];
@@ -109,18 +191,20 @@ fn survey(block: &[f64], mean: f64) -> (f64, f64, f64) {
             sum[i] += x - mean;
         }
     }
-    for (i, &x) in rest.iter().enumerate() {
+    for i in 0..rest.len() {
+        let x = rest[i];
         (low[i], high[i]) = (low[i].min(x), high[i].max(x));
         sum[i] += x - mean;
     }
-    (
-        low.into_iter().fold(f64::INFINITY, f64::min),
-        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
-        sum.iter().sum(),
-    )
+    let mut all = (low[0], high[0], sum[0]);
+    for i in 1..LANES {
+        all = (all.0.min(low[i]), all.1.max(high[i]), all.2 + sum[i]);
+    }
+    all
 }
 
 /// The sum of squared distances from `middle`.
+#[inline(always)]
 fn scatter(block: &[f64], middle: f64) -> f64 {
     let mut sum = [0.0; LANES];
     let (chunks, rest) = block.as_chunks::<LANES>();
@@ -129,79 +213,46 @@ fn scatter(block: &[f64], middle: f64) -> f64 {
             sum[i] += (chunk[i] - middle) * (chunk[i] - middle);
         }
     }
-    for (i, &x) in rest.iter().enumerate() {
-        sum[i] += (x - middle) * (x - middle);
+    for i in 0..rest.len() {
+        sum[i] += (rest[i] - middle) * (rest[i] - middle);
     }
-    sum.iter().sum()
+    let mut all = 0.0;
+    for i in 0..LANES {
+        all += sum[i];
+    }
+    all
 }
 
-/// The distance between the quartiles of type 7: the order statistics at 1 + (n - 1)p, linear in between. \[Hyndman & Fan 1996\]
-fn interquartile_range(x: &[f64], least: f64, most: f64) -> f64 {
-    let n = x.len();
-    let at = |p: f64| {
-        let place = p * (n - 1) as f64;
-        (place.floor() as usize, place.fract())
-    };
-    let [low, high] = [at(0.25), at(0.75)];
-    let found = neighbours(x, least, most, [low.0, high.0]);
-    let between = |[below, above]: [f64; 2], beyond: f64| beyond * (above - below);
-    (found[1][0] - found[0][0]) + (between(found[1], high.1) - between(found[0], low.1))
-}
-
-/// The order statistics `rank` and `rank` + 1 (or `rank` again at the end), counted from 0, for two ranks in ascending order.
-fn neighbours(x: &[f64], least: f64, most: f64, ranks: [usize; 2]) -> [[f64; 2]; 2] {
-    let n = x.len();
-    let width = (most - least) / CELLS as f64;
-    if n < SMALL || !width.is_normal() {
-        let mut all = x.to_vec();
-        return ranks.map(|rank| among(&mut all, rank));
-    }
-    let counts = count(
-        x,
-        Mesh {
-            origin: least,
-            width,
-            first: 0.0,
-            count: CELLS,
-        },
-    );
-    // the cells that hold a rank and the next, and half a cell more for the rounding of edges
-    let places = ranks.map(|rank| {
-        let mut before = counts.below as usize;
-        let (mut first, mut last) = (None, CELLS);
-        for (cell, &inside) in counts.inside.iter().enumerate() {
-            before += inside as usize;
-            if first.is_none() && before > rank {
-                first = Some(cell);
-            }
-            if before > rank + 1 {
-                last = cell;
-                break;
-            }
+/// Counts the data below a bracket and keeps those within.
+#[inline(always)]
+fn gather(block: &[f64], [low, high]: [f64; 2], near: &mut Near) {
+    let mut below = [0_u64; LANES];
+    let (chunks, rest) = block.as_chunks::<LANES>();
+    for chunk in chunks {
+        let mut within = 0_u64;
+        for i in 0..LANES {
+            below[i] += u64::from(chunk[i] < low);
+            within += u64::from(chunk[i] >= low) & u64::from(chunk[i] <= high);
         }
-        let low = (first.unwrap_or(CELLS) as f64 - 0.5).mul_add(width, least);
-        (low, (last as f64 + 1.5).mul_add(width, least))
-    });
-    let mut below = [0; 2];
-    let mut near = [Vec::new(), Vec::new()];
-    // short runs, so that those where nothing is near, which is nearly all, need no branch for each datum
-    for run in x.chunks(RUN) {
-        for (place, (below, near)) in places.iter().zip(below.iter_mut().zip(&mut near)) {
-            let (mut under, mut upto) = (0_u64, 0_u64);
-            for x in run {
-                under += u64::from(*x < place.0);
-                upto += u64::from(*x <= place.1);
+        // no branch for each datum, and none is taken where nothing is near
+        if within > 0 {
+            let (mut kept, mut count) = ([0.0; LANES], 0);
+            for i in 0..LANES {
+                kept[count % LANES] = chunk[i];
+                count += usize::from(chunk[i] >= low) & usize::from(chunk[i] <= high);
             }
-            *below += under as usize;
-            if upto > under {
-                near.extend(run.iter().filter(|x| **x >= place.0 && **x <= place.1));
-            }
+            near.found.extend_from_slice(&kept[..count]);
         }
     }
-    [0, 1].map(|k| match ranks[k].checked_sub(below[k]) {
-        Some(rank) if rank + 1 < near[k].len() => among(&mut near[k], rank),
-        _ => among(&mut x.to_vec(), ranks[k]),
-    })
+    for i in 0..rest.len() {
+        below[i] += u64::from(rest[i] < low);
+        if rest[i] >= low && rest[i] <= high {
+            near.found.push(rest[i]);
+        }
+    }
+    for i in 0..LANES {
+        near.below += below[i] as usize;
+    }
 }
 
 fn among(x: &mut [f64], rank: usize) -> [f64; 2] {

@@ -59,7 +59,11 @@ struct Sorted {
 impl GaussianPairs {
     /// The pairs of `sample`. One pass for the range; all else when it is asked for.
     pub fn new(sample: &Sample<1>) -> Self {
-        let (low, high) = range(sample.coordinates());
+        Self::within(sample, range(sample.coordinates()))
+    }
+
+    /// The same if the least and the largest datum are known.
+    pub fn within(sample: &Sample<1>, (low, high): (f64, f64)) -> Self {
         Self {
             sample: sample.clone(),
             low,
@@ -89,6 +93,36 @@ impl GaussianPairs {
     /// As [`GaussianPairs::sum`].
     pub fn glance(&self, order: usize, g: f64) -> f64 {
         self.sum_at(order, g, COARSEST)
+    }
+
+    /// Collects the data for glances down to `g` in one pass, where that is not yet done. Without it a search that goes on to smaller g looks at the data again and again.
+    pub fn expect(&self, g: f64) {
+        let step = power_of_two_below(COARSEST * g);
+        if Lattice::cells(self.low, self.high, step) <= DENSE {
+            let mut finest = self.finest.lock().unwrap_or_else(PoisonError::into_inner);
+            if finest.as_ref().is_none_or(|cells| cells.step > step) {
+                *finest = Some(self.collect(step));
+            }
+        }
+    }
+
+    /// Cells of that step, or of a finer one that costs no more.
+    fn collect(&self, step: f64) -> Cells {
+        let each = match self.sample.weights() {
+            Weights::Equal(_) => None,
+            Weights::Each(weights) => Some(&weights[..]),
+        };
+        let most = FIRST.min(self.sample.len() as f64 / DATA_PER_CELL);
+        let mut fine = step;
+        // not without end where the data have no range
+        for _ in 0..16 {
+            if Lattice::cells(self.low, self.high, 0.5 * fine) > most {
+                break;
+            }
+            fine *= 0.5;
+        }
+        let span = (self.low, self.high);
+        Cells::collect(self.sample.coordinates(), each, span, fine)
     }
 
     fn sum_at(&self, order: usize, g: f64, ratio: f64) -> f64 {
@@ -135,26 +169,14 @@ impl GaussianPairs {
 
     /// A lattice of that step over all data, from cells at hand if they are fine enough, else from the data.
     fn dense(&self, step: f64) -> Lattice {
-        let (each, mass) = match self.sample.weights() {
-            Weights::Equal(_) => (None, self.sample.len() as f64),
-            Weights::Each(weights) => (Some(&weights[..]), self.sample.mass()),
+        let mass = match self.sample.weights() {
+            Weights::Equal(_) => self.sample.len() as f64,
+            Weights::Each(_) => self.sample.mass(),
         };
         let mut finest = self.finest.lock().unwrap_or_else(PoisonError::into_inner);
         let cells = match finest.take() {
             Some(cells) if cells.step <= step => cells,
-            _ => {
-                let most = FIRST.min(self.sample.len() as f64 / DATA_PER_CELL);
-                let mut fine = step;
-                // not without end where the data have no range
-                for _ in 0..16 {
-                    if Lattice::cells(self.low, self.high, 0.5 * fine) > most {
-                        break;
-                    }
-                    fine *= 0.5;
-                }
-                let span = (self.low, self.high);
-                Cells::collect(self.sample.coordinates(), each, span, fine)
-            }
+            _ => self.collect(step),
         };
         let mut coarse = None;
         while coarse.as_ref().unwrap_or(&cells).step < step {

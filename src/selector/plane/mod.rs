@@ -14,6 +14,7 @@
 //! Silverman 1986, section 4.3.2, eqs 4.14-4.15; Scott 1992, Multivariate Density Estimation, eq. 6.42; Wand & Jones 1995, Kernel Smoothing, section 4.7 (normal scale).
 
 mod least_squares;
+mod rounding;
 
 pub use least_squares::PlaneLeastSquares;
 
