@@ -303,6 +303,47 @@ fn every_engine_computes_the_definition_within_its_bound() {
     }
 }
 
+/// Samples that engines cut into lanes, which they do from some 65 000 data on, at few places.
+#[test]
+fn large_samples_are_summed_as_defined() {
+    let points = normal(150_000, 30);
+    let weights: Vec<f64> = points.iter().map(|x| x.cos().powi(2)).collect();
+    let grid = Grid::new([-3.0], [3.0], [20]).unwrap();
+    let scattered: Vec<Point<1>> = points.iter().step_by(5_000).map(|&x| [x]).collect();
+    for (weights, shapes) in [
+        (
+            None,
+            &[Shape::Epanechnikov, Shape::Uniform, Shape::Gaussian][..],
+        ),
+        (Some(weights), &[Shape::Triangular][..]),
+    ] {
+        let case = Case {
+            name: "",
+            points: points.clone(),
+            weights,
+            h: 0.1,
+            grid: (0.0, 0.0, 0),
+            scattered: Vec::new(),
+        };
+        for &shape in shapes {
+            let sum = sum_of(&case, shape);
+            for targets in [Targets::Grid(&grid), Targets::Points(&scattered)] {
+                let judge = Direct.prepare(sum.clone(), 0.0).unwrap();
+                let truth = judge.evaluate(targets).values;
+                for engine in judged() {
+                    if let Some((error, bound)) = measure(engine, &sum, targets, &truth, EXACT) {
+                        assert!(
+                            error <= bound,
+                            "{} with {shape}: {error:e} beyond {bound:e}",
+                            engine.name()
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
 fn on_threads(threads: usize, work: impl Fn() -> Vec<f64> + Send + Sync) -> Vec<u64> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

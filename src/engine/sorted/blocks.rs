@@ -2,7 +2,7 @@
 //!
 //! Two counting passes: into groups on evenly spaced bins, then each group, within a cache, into bins of its own, as many as its data deserve.
 //! So a density that is uneven over the range of the data costs nothing; only bins that are crowded all the same (ties, spikes far narrower
-//! than a group) are sorted.
+//! than a group), and the few that the end of a run cuts, are sorted.
 //!
 //! Each lane of the data is grouped by itself; each group takes its runs from all lanes, orders them, and puts them back where they were, so that
 //! the data are copied once. No order depends on the number of threads, and within a bin the data keep the order in which they came.
@@ -226,15 +226,6 @@ impl<const N: usize> Group<N> {
         for bin in starts.windows(2) {
             made.directory.push(made.items.len() as u32);
             let range = bin[0] as usize..bin[1] as usize;
-            let step = if range.len() > CROWDED {
-                sort(
-                    &mut points[range.clone()],
-                    weights.get_mut(range.clone()).unwrap_or_default(),
-                );
-                BLOCK
-            } else {
-                CROWDED
-            };
             let mut start = range.start;
             while start < range.end {
                 // a block lies in one run
@@ -242,6 +233,19 @@ impl<const N: usize> Group<N> {
                     lane_start += runs[lane].0.len();
                     lane += 1;
                 }
+                // blocks ascend: a bin that is cut, by its size or by the end of a run, is in order
+                let cut = range.len() > CROWDED || range.end > lane_start + runs[lane].0.len();
+                if cut && start == range.start {
+                    sort(
+                        &mut points[range.clone()],
+                        weights.get_mut(range.clone()).unwrap_or_default(),
+                    );
+                }
+                let step = if range.len() > CROWDED {
+                    BLOCK
+                } else {
+                    CROWDED
+                };
                 let end = (start + step)
                     .min(range.end)
                     .min(lane_start + runs[lane].0.len());

@@ -177,6 +177,7 @@ impl Selector<2> for PlaneLeastSquares {
         if self.common { "lscv-common" } else { "lscv" }
     }
 
+    #[allow(clippy::too_many_lines)] // what may go wrong with a search, told case by case
     fn select(&self, sample: &Sample<2>, shape: Shape) -> Result<Selection<2>, SelectError> {
         const WHAT: &str = "least-squares cross-validation";
         let direction = self.directions(sample)?;
