@@ -68,11 +68,15 @@ pub(super) fn draw<const D: usize>(
             measured: Vec::new(),
         });
     }
+    let positive = truth.is_none_or(|truth| truth > 0.0)
+        && traces[0].measured.iter().all(|mean| mean.value > 0.0);
+    let y = Axis::new(at(&group.grid.centre(cell)), "");
     Sweep {
         title: String::new(),
         description: figure.caption.clone(),
         x: Axis::new(parameter(material, of), "").logarithmic(),
-        y: Axis::new(at(&group.grid.centre(cell)), ""),
+        // the spread of few and of many differ by orders of magnitude
+        y: if positive { y.logarithmic() } else { y },
         traces,
         interval: "± one standard deviation".to_owned(),
         ..Sweep::default()
