@@ -79,7 +79,7 @@ impl Irradiance {
             .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
         let mut out = Output::open(self.output.as_deref())?;
         let bar = light::bar(notes, "photons");
-        let hits = light::walk(&scene, self.photons, self.seed)?;
+        let hits = light::walk(&scene, self.photons, self.seed, false)?;
         bar.finish_and_clear();
         let values = match hits(surface) {
             None => {

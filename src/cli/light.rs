@@ -41,7 +41,7 @@ pub fn surface(scene: &Scene, name: &str) -> Result<usize, Stop> {
     )))
 }
 
-/// The hits of so many photons as a sample for each surface; none where nothing hit, or on a mesh.
+/// The hits of so many photons as a sample for each surface, with the flux that arrives or that is `returned`; none where nothing hit, or on a mesh.
 ///
 /// # Errors
 /// If the walk cannot be stored, or light leaks out of the scene.
@@ -49,10 +49,12 @@ pub fn walk(
     scene: &Arc<Scene>,
     photons: u64,
     seed: u64,
+    returned: bool,
 ) -> Result<impl Fn(usize) -> Option<Sample<2>> + use<>, Stop> {
     let told = |error: WalkError| Stop::Input(error.to_string());
     let scene = scene.clone();
     let (hits, _) = Walk::new(&scene, Power::Same, photons, seed)
+        .map(|walk| if returned { walk.returned() } else { walk })
         .and_then(|walk| walk.run())
         .map_err(told)?;
     Ok(move |surface: usize| hits.sample(&scene, surface)?.ok())

@@ -12,6 +12,7 @@ use crate::light::illumination::{Estimated, Shot, Traced};
 use crate::light::image::{self, Image, Tone};
 use crate::light::reference::{PathTracer, Reference};
 use crate::light::scene::Scene;
+use crate::light::spectrum::Colour;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -110,10 +111,8 @@ impl Render {
                 paths: usize::try_from(paths).unwrap_or(usize::MAX),
                 seed: self.seed,
             }),
-            (None, None) => {
-                PathTracer::new(&scene).ok_or_else(|| self.by_wavelength())?;
-                shot.lit_by(&Reference::new(scene.clone()))
-            }
+            (None, None) if scene.colour == Colour::Spectral => return Err(self.by_wavelength()),
+            (None, None) => shot.lit_by(&Reference::new(scene.clone())),
         };
         bar.finish_and_clear();
         let file = if linear {
@@ -127,7 +126,7 @@ impl Render {
 
     fn by_wavelength(&self) -> Stop {
         Stop::Input(format!(
-            "{} knows colour by wavelength; the reference and paths are for red, green and blue",
+            "{} knows colour by wavelength; pictures by the reference and by paths are for red, green and blue; take an estimator",
             self.scene.display()
         ))
     }
@@ -144,7 +143,7 @@ impl Render {
             truth: None,
             draws: usize::try_from(photons).unwrap_or(usize::MAX),
         })?;
-        let hits = light::walk(scene, photons, self.seed)?;
+        let hits = light::walk(scene, photons, self.seed, true)?;
         let estimated = Estimated::fit(&*estimator, scene.surfaces().len(), hits);
         let estimated = estimated.map_err(|error| Stop::Input(error.to_string()))?;
         for warning in estimated.warnings() {

@@ -1,6 +1,6 @@
 //! Surfaces that shine.
 
-use super::cie::VISIBLE;
+use super::cie::{self, VISIBLE};
 use super::spectrum::{Spectrum, Table};
 use std::f64::consts::PI;
 
@@ -20,6 +20,25 @@ impl Emission {
     /// Power per area over all wavelengths: π ∫ radiance; a flat spectrum shines where something is seen.
     pub fn spectral_exitance(&self) -> f64 {
         PI * self.table().integral()
+    }
+
+    /// X, Y and Z of the power per area, over wavelengths.
+    pub fn tristimulus(&self) -> [f64; 3] {
+        self.bands().fold([0.0; 3], |sum, (wavelength, width)| {
+            let power = PI * self.table().at(wavelength) * width;
+            let colour = cie::tristimulus(wavelength);
+            [0, 1, 2].map(|axis| sum[axis] + colour[axis] * power)
+        })
+    }
+
+    /// The bands of some 5 nm in which it shines, as their middles and widths: sums over them are integrals of what is smooth.
+    pub fn bands(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let table = self.table();
+        let rows = table.rows();
+        let (low, high) = (rows[0][0], rows[rows.len() - 1][0]);
+        let count = ((high - low) / 5.0).ceil().max(1.0) as usize;
+        let width = (high - low) / count as f64;
+        (0..count).map(move |band| ((band as f64 + 0.5).mul_add(width, low), width))
     }
 
     /// The radiance over wavelengths.

@@ -4,6 +4,7 @@
 mod bad_experiments;
 mod bad_inputs;
 mod estimate;
+mod light;
 mod list;
 mod oracle;
 mod output;

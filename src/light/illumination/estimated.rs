@@ -1,6 +1,7 @@
-//! Irradiance from the hits of photons by an estimator of densities.
+//! Reflected light from the hits of photons by an estimator of densities; the hits of a walk that records what is
+//! [returned](crate::light::walk::Walk::returned).
 
-use super::{Irradiance, Spot};
+use super::{Returned, Spot};
 use crate::estimator::{Estimate, Estimator, FitError};
 use crate::sample::Sample;
 use crate::space::{Field, Point, Targets, Warning};
@@ -47,7 +48,7 @@ pub fn channels(estimate: &Estimate<2>, targets: Targets<'_, 2>) -> Vec<[f64; 3]
         .collect()
 }
 
-impl Irradiance for Estimated {
+impl Returned for Estimated {
     fn at(&self, spots: &[Spot]) -> Vec<[f64; 3]> {
         let mut found = vec![[0.0; 3]; spots.len()];
         for (surface, estimate) in self.surfaces.iter().enumerate() {

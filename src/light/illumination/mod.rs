@@ -6,7 +6,7 @@
 //! | the balance of light | `solved` |
 //! | paths traced from each place | `traced` |
 //!
-//! A picture asks one of them for the irradiance where each ray of the camera meets a diffuse surface; nothing else differs between pictures.
+//! A picture asks one of them for the light that comes back where each ray of the camera meets a diffuse surface; nothing else differs between pictures.
 
 mod estimated;
 mod picture;
@@ -32,10 +32,18 @@ pub struct Spot {
     pub normal: Vector,
     /// The place on the surface.
     pub chart: [f64; 2],
+    /// The reflectance there, in three channels; over wavelengths it has no meaning.
+    pub reflectance: [f64; 3],
 }
 
-/// Knows the irradiance on surfaces.
-pub trait Irradiance: Sync {
-    /// In each channel at each of `spots`, in their order.
+impl Spot {
+    fn returned(&self, irradiance: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|c: usize| irradiance[c] * self.reflectance[c])
+    }
+}
+
+/// Knows what diffuse surfaces return of the light that they receive.
+pub trait Returned: Sync {
+    /// The reflected radiosity in each channel of the scene's colour at each of `spots`, in their order: X, Y and Z over wavelengths.
     fn at(&self, spots: &[Spot]) -> Vec<[f64; 3]>;
 }

@@ -1,9 +1,11 @@
 //! What a camera sees.
 
-use super::{Irradiance, Spot};
+use super::{Returned, Spot};
 use crate::light::camera::Film;
+use crate::light::cie;
 use crate::light::image::Image;
 use crate::light::scene::Scene;
+use crate::light::spectrum::Colour;
 use crate::light::vector::Ray;
 use crate::random;
 use rayon::prelude::*;
@@ -13,16 +15,17 @@ use rayon::prelude::*;
 struct Sight {
     /// Radiosity of lamps on the way.
     shine: [f64; 3],
-    /// The diffuse surface at the end, and the factor from its irradiance to what the camera sees.
+    /// The diffuse surface at the end, and the factor from what it returns to what the camera sees.
     end: Option<(Spot, [f64; 3])>,
 }
 
-/// All rays of a picture, followed once; any [`Irradiance`] can light them.
+/// All rays of a picture, followed once; whatever knows the light ([`Returned`]) can light them.
 pub struct Shot {
     width: usize,
     height: usize,
     /// Rays for each pixel.
     rays: usize,
+    colour: Colour,
     sights: Vec<Sight>,
 }
 
@@ -52,6 +55,7 @@ impl Shot {
             width,
             height,
             rays: across * across,
+            colour: scene.colour,
             sights,
         }
     }
@@ -64,11 +68,12 @@ impl Shot {
             .count()
     }
 
-    /// The picture in this light: the radiosity (π times the radiance) that each pixel sees.
-    pub fn lit_by(&self, light: &dyn Irradiance) -> Image {
+    /// The picture in this light: the radiosity (π times the radiance) that each pixel sees, in linear sRGB where colour is known by wavelength. What mirrors
+    /// and glass do to a colour by wavelength is taken by its mean.
+    pub fn lit_by(&self, light: &dyn Returned) -> Image {
         let ends = self.sights.iter().filter_map(|sight| sight.end);
         let spots: Vec<Spot> = ends.map(|(spot, _)| spot).collect();
-        let mut irradiance = light.at(&spots).into_iter();
+        let mut returned = light.at(&spots).into_iter();
         let pixels = self.sights.chunks_exact(self.rays).map(|rays| {
             let mut sum = [0.0; 3];
             for sight in rays {
@@ -76,14 +81,19 @@ impl Shot {
                     sum[c] += sight.shine[c];
                 }
                 if let Some((_, factor)) = sight.end
-                    && let Some(irradiance) = irradiance.next()
+                    && let Some(returned) = returned.next()
                 {
                     for c in 0..3 {
-                        sum[c] += factor[c] * irradiance[c];
+                        sum[c] += factor[c] * returned[c];
                     }
                 }
             }
-            sum.map(|value| (value / self.rays as f64) as f32)
+            let mean = sum.map(|value| value / self.rays as f64);
+            let shown = match self.colour {
+                Colour::Rgb => mean,
+                Colour::Spectral => cie::linear_srgb(mean),
+            };
+            shown.map(|value| value as f32)
         });
         Image::new(self.width, self.height, pixels.collect())
     }
@@ -101,14 +111,15 @@ fn follow(scene: &Scene, mut ray: Ray, random: &mut random::Stream) -> Sight {
         };
         let surface = &scene.surfaces()[hit.surface];
         if let Some(emission) = surface.emission.as_ref().filter(|_| hit.front) {
-            for (c, m) in emission.exitance().into_iter().enumerate() {
+            let exitance = match scene.colour {
+                Colour::Rgb => emission.exitance(),
+                Colour::Spectral => emission.tristimulus(),
+            };
+            for (c, m) in exitance.into_iter().enumerate() {
                 sight.shine[c] += carried[c] * m;
             }
         }
         let reflectance = surface.material.reflectance().rgb();
-        for c in 0..3 {
-            carried[c] *= reflectance[c];
-        }
         if surface.material.is_diffuse() {
             let spot = Spot {
                 surface: hit.surface,
@@ -116,6 +127,7 @@ fn follow(scene: &Scene, mut ray: Ray, random: &mut random::Stream) -> Sight {
                 place: hit.place,
                 normal: hit.normal,
                 chart: [hit.u, hit.v],
+                reflectance,
             };
             sight.end = Some((spot, carried));
             return sight;
@@ -123,8 +135,8 @@ fn follow(scene: &Scene, mut ray: Ray, random: &mut random::Stream) -> Sight {
         let scattered = surface
             .material
             .scatter(ray.direction, hit.normal, hit.front, random);
-        for c in &mut carried {
-            *c *= scattered.factor;
+        for (carried, reflectance) in carried.iter_mut().zip(reflectance) {
+            *carried *= reflectance * scattered.factor;
         }
         if carried.iter().all(|&c| c <= 0.0) {
             return sight;

@@ -1,6 +1,6 @@
 //! Irradiance by tracing paths from each place.
 
-use super::{Irradiance, Spot};
+use super::{Returned, Spot};
 use crate::light::reference::{Measured, PathTracer};
 use crate::random;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ pub struct Traced<'s> {
     pub seed: u64,
 }
 
-impl Irradiance for Traced<'_> {
+impl Returned for Traced<'_> {
     fn at(&self, spots: &[Spot]) -> Vec<[f64; 3]> {
         spots
             .par_iter()
@@ -27,7 +27,7 @@ impl Irradiance for Traced<'_> {
                     self.tracer
                         .irradiance(place, normal, Some(spot.primitive), &mut random)
                 };
-                Measured::of(self.paths, draw).mean
+                spot.returned(Measured::of(self.paths, draw).mean)
             })
             .collect()
     }

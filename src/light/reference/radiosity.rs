@@ -10,18 +10,17 @@
 use super::patch::{Patch, patches};
 use super::system::Unbalanced;
 use super::transfer::form_factors;
-use crate::light::emission::Emission;
+use crate::light::cie;
 use crate::light::scene::{Scene, Shape, Surface};
 use crate::light::spectrum::Colour;
-use crate::light::vector::Vector;
+use crate::light::vector::{Ray, Vector};
+use rayon::prelude::*;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Why a scene has no radiosity solution.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RadiosityError {
-    /// Colours that are not three numbers.
-    #[error("radiosity is for scenes in red, green and blue; this one knows colour by wavelength")]
-    Spectral,
     /// A surface that is not flat.
     #[error("radiosity needs flat surfaces, and \"{0}\" is not")]
     Curved(String),
@@ -55,7 +54,7 @@ pub struct Radiosity {
     fine: Level,
 }
 
-/// Irradiance in three channels, and how far the two levels are apart.
+/// Irradiance in three channels (X, Y and Z where colour is known by wavelength), and how far the two levels are apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gathered {
     /// Extrapolated from both levels: fine + (fine - coarse)/3.
@@ -69,7 +68,7 @@ impl Radiosity {
     /// patches of the Cornell box 8·10⁶ rays.
     ///
     /// # Errors
-    /// If the scene is not one of flat, diffuse surfaces in three channels, or its light has no balance.
+    /// If the scene is not one of flat, diffuse surfaces, or its light has no balance.
     pub fn solve(scene: &Arc<Scene>, patches: usize) -> Result<Self, RadiosityError> {
         Self::can(scene)?;
         let area: f64 = scene.surfaces().iter().map(Surface::area).sum();
@@ -86,9 +85,6 @@ impl Radiosity {
     /// # Errors
     /// With the reason, if not.
     pub fn can(scene: &Scene) -> Result<(), RadiosityError> {
-        if scene.colour != Colour::Rgb {
-            return Err(RadiosityError::Spectral);
-        }
         for surface in scene.surfaces() {
             let name = || surface.name.clone();
             if matches!(surface.shape, Shape::Sphere(_)) {
@@ -124,35 +120,34 @@ impl Level {
             return Err(RadiosityError::Many(patches.len()));
         }
         let mut factors = form_factors(scene, &patches);
-        if !scene.open {
+        if scene.open {
+            let free: Vec<f64> = patches.par_iter().map(|patch| free(scene, patch)).collect();
+            factors.uncover(&free);
+        } else {
             // all light in a closed room comes from somewhere
             factors.close();
         }
         let surface = |patch: &Patch| &scene.surfaces()[patch.surface];
-        let reflectance: Vec<[f64; 3]> = patches
-            .iter()
-            .map(|patch| surface(patch).material.reflectance().rgb())
-            .collect();
-        let exitance: Vec<[f64; 3]> = patches
-            .iter()
-            .map(|patch| {
-                surface(patch)
-                    .emission
-                    .as_ref()
-                    .map_or([0.0; 3], Emission::exitance)
-            })
-            .collect();
         let mut radiosity = vec![[0.0; 3]; patches.len()];
-        for channel in 0..3 {
-            let of = |values: &[[f64; 3]]| values.iter().map(|v| v[channel]).collect::<Vec<f64>>();
-            let solved = factors.solve(&of(&reflectance), &of(&exitance))?;
+        for channel in channels(scene) {
+            let reflectance: Vec<f64> = patches
+                .iter()
+                .map(|patch| channel.reflectance(surface(patch)))
+                .collect();
+            let exitance: Vec<f64> = patches
+                .iter()
+                .map(|patch| channel.exitance(surface(patch)))
+                .collect();
+            let solved = factors.solve(&reflectance, &exitance)?;
             for (patch, value) in radiosity.iter_mut().zip(solved) {
-                patch[channel] = value;
+                for (sum, share) in patch.iter_mut().zip(channel.shares) {
+                    *sum += share * value;
+                }
             }
         }
-        let shines = exitance
+        let shines = patches
             .iter()
-            .map(|e| e.iter().any(|&e| e > 0.0))
+            .map(|patch| surface(patch).emission.is_some())
             .collect();
         Ok(Self {
             patches,
@@ -174,6 +169,89 @@ impl Level {
         }
         sum
     }
+}
+
+/// A transport of its own: one of three channels, or a band of wavelengths.
+struct Channel {
+    /// Which of red, green and blue; otherwise a wavelength.
+    which: Result<usize, f64>,
+    /// What its light counts for in what is recorded.
+    shares: [f64; 3],
+}
+
+impl Channel {
+    fn reflectance(&self, surface: &Surface) -> f64 {
+        let spectrum = surface.material.reflectance();
+        match self.which {
+            Ok(channel) => spectrum.rgb()[channel],
+            Err(wavelength) => spectrum.at(wavelength),
+        }
+    }
+
+    fn exitance(&self, surface: &Surface) -> f64 {
+        let Some(emission) = &surface.emission else {
+            return 0.0;
+        };
+        match self.which {
+            Ok(channel) => emission.exitance()[channel],
+            Err(wavelength) => {
+                let table = emission.table();
+                let rows = table.rows();
+                if (rows[0][0]..=rows[rows.len() - 1][0]).contains(&wavelength) {
+                    PI * table.at(wavelength)
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+}
+
+/// Width of a band in nm: colour matching functions are integrated to 0.1 % so. [CIE 15:2018, 7.2.2.2]
+const BAND: f64 = 10.0;
+
+/// The transports of a scene: one for each channel, or for each band in which a lamp shines, recorded as X, Y and Z.
+fn channels(scene: &Scene) -> Vec<Channel> {
+    if scene.colour == Colour::Rgb {
+        return (0..3)
+            .map(|channel| Channel {
+                which: Ok(channel),
+                shares: [0, 1, 2].map(|c: usize| f64::from(u8::from(c == channel))),
+            })
+            .collect();
+    }
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for emission in scene.surfaces().iter().filter_map(|s| s.emission.as_ref()) {
+        let table = emission.table();
+        let rows = table.rows();
+        low = low.min(rows[0][0]);
+        high = high.max(rows[rows.len() - 1][0]);
+    }
+    let count = ((high - low) / BAND).ceil().max(1.0) as usize;
+    let width = (high - low) / count as f64;
+    (0..count)
+        .map(|band| {
+            let wavelength = (band as f64 + 0.5).mul_add(width, low);
+            Channel {
+                which: Err(wavelength),
+                shares: cie::tristimulus(wavelength).map(|value| value * width),
+            }
+        })
+        .collect()
+}
+
+/// The share of a patch on which nothing stands: from places under a solid a ray along the normal meets a back.
+fn free(scene: &Scene, patch: &Patch) -> f64 {
+    let parts: Vec<Patch> = patch.quarters().iter().flat_map(Patch::quarters).collect();
+    let open = parts.iter().filter(|part| {
+        let ray = Ray {
+            origin: part.centre(),
+            direction: patch.normal,
+            leaving: Some(patch.primitive),
+        };
+        scene.hit(&ray).is_none_or(|hit| hit.front)
+    });
+    open.count() as f64 / parts.len() as f64
 }
 
 /// How often a patch that emits is quartered where it is seen in part.

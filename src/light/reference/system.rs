@@ -60,6 +60,17 @@ impl FormFactors {
         }
     }
 
+    /// Does the same where the room is open and only the `free` share of each patch is known.
+    pub fn uncover(&mut self, free: &[f64]) {
+        for (i, &free) in free.iter().enumerate() {
+            if free > COVERED {
+                for share in &mut self.shares[i * self.count..(i + 1) * self.count] {
+                    *share /= free;
+                }
+            }
+        }
+    }
+
     /// The irradiance of each patch if patch j has the radiosity bⱼ: by reciprocity Σⱼ Fᵢⱼ bⱼ.
     pub fn gather(&self, radiosity: &[f64]) -> Vec<f64> {
         (0..self.count)

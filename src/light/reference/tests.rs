@@ -165,6 +165,24 @@ fn a_furnace_is_evenly_lit() {
     }
 }
 
+/// Over wavelengths: a furnace that emits 1 W per nm, area and solid angle has B(λ) = π/(1 − ρ) at each, and ∫ȳ = 1 in the units of the record.
+#[test]
+fn a_furnace_over_wavelengths_is_white() {
+    let mut grey = cube([0.5; 3], 1.0, 1.0);
+    for surface in &mut grey {
+        surface.material = Arc::new(Material::Lambertian(Lambertian {
+            reflectance: Spectrum::Flat(0.5),
+        }));
+    }
+    let furnace = Arc::new(Scene::new(grey, Colour::Spectral, false).expect("a scene"));
+    let solved = Radiosity::solve(&furnace, 96).expect("a room");
+    let found = solved.irradiance(Vector::new(0.3, 0.6, 0.0), Vector::z());
+    for value in found.irradiance {
+        let exact = std::f64::consts::TAU;
+        assert!((value / exact - 1.0).abs() < 3e-3, "{found:?}");
+    }
+}
+
 #[test]
 fn without_reflection_only_the_lamps_light_in_closed_form() {
     let mut dark = cube([0.0; 3], 0.0, 0.0);

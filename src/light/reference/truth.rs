@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Where the truth about a scene comes from.
 ///
-/// Rooms of flat diffuse surfaces in three channels are solved (see [`Radiosity`]); for all others paths are traced from each place, `PATHS` of
+/// Rooms of flat diffuse surfaces are solved (see [`Radiosity`]); for all others paths are traced from each place, `PATHS` of
 /// them with a stream of random numbers that the place decides, so that a place always has the same value.
 pub struct Reference {
     scene: Arc<Scene>,

@@ -94,6 +94,7 @@ pub struct Walk<'s> {
     power: Power,
     paths: u64,
     seed: u64,
+    returned: bool,
     arch: Arch,
 }
 
@@ -128,8 +129,18 @@ impl<'s> Walk<'s> {
             power,
             paths,
             seed,
+            returned: false,
             arch: Arch::new(),
         })
+    }
+
+    /// The same walk, but hits hold what their surface returns of the flux that arrives: their density is the reflected radiosity. In three channels that is
+    /// irradiance times reflectance; over wavelengths it cannot be had from the tristimulus values of what arrives.
+    pub fn returned(self) -> Self {
+        Self {
+            returned: true,
+            ..self
+        }
     }
 
     /// How many blocks there are.
@@ -270,7 +281,11 @@ fn follow<S: Simd, L: Carried>(
         if front {
             records.push(Record::new(
                 about.shape.raw_coordinates(part, place),
-                light.flux(),
+                if walk.returned {
+                    light.reflected(material.reflectance(), 1.0).flux()
+                } else {
+                    light.flux()
+                },
                 (path, bounce),
                 (surface, part),
                 ray.direction,

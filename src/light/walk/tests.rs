@@ -391,3 +391,35 @@ fn means_are_those_of_both_schemes() {
         means(&apart)
     );
 }
+
+/// In three channels what is returned is what arrives times the reflectance, hit by hit; over wavelengths red walls return redder light.
+#[test]
+fn returned_light_is_what_the_surface_reflects() {
+    let trace = |scene: &Scene, returned: bool| {
+        let walk = Walk::new(scene, Power::Same, 2_000, 14).expect("a walk");
+        let walk = if returned { walk.returned() } else { walk };
+        walk.trace(0).records
+    };
+    let scene = shipped("cornell-box-rgb.toml");
+    for (arrived, returned) in trace(&scene, false).iter().zip(trace(&scene, true)) {
+        let surface = &scene.surfaces()[returned.surface as usize];
+        let rho = surface.material.reflectance().rgb();
+        for c in 0..3 {
+            let expected = f64::from(arrived.flux[c]) * rho[c];
+            assert!((f64::from(returned.flux[c]) - expected).abs() <= 1e-6 * expected);
+        }
+    }
+    let scene = shipped("cornell-box-empty.toml");
+    let (left, _) = scene.surface("left_wall_back").expect("a red wall");
+    let redness = |returned: bool| {
+        let mut sum = [0.0; 3];
+        let records = trace(&scene, returned);
+        for record in records.iter().filter(|r| usize::from(r.surface) == left) {
+            for c in 0..3 {
+                sum[c] += f64::from(record.flux[c]);
+            }
+        }
+        sum[0] / sum[1]
+    };
+    assert!(redness(true) > 1.3 * redness(false), "{}", redness(true));
+}
