@@ -41,13 +41,13 @@ def arguments():
     parser.add_argument("--programs", nargs="+", metavar="PART", help="only programs whose name contains one of these")
     parser.add_argument("--rounds", type=int, help="how often each is run (default 7; slow ones less)")
     parser.add_argument("--budget", type=float, help="skip a run that would take more CPU seconds than this (default 60)")
-    parser.add_argument("--quick", action="store_true", help="n = 1e5 and 1e6, three rounds, budget 1.5 s: under two minutes")
+    parser.add_argument("--quick", action="store_true", help="n = 1e5 and 1e6, two rounds, budget 1.5 s: under two minutes")
     parser.add_argument("--lab", type=Path, help="the program to measure (default: cargo build --release)")
     parser.add_argument("--no-lab", action="store_true", help="peers only")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every single run there")
     options = parser.parse_args()
     options.n = sorted(options.n or ([10**5, 10**6] if options.quick else [10**5, 10**6, 10**7]))
-    options.rounds = options.rounds or (3 if options.quick else 7)
+    options.rounds = options.rounds or (2 if options.quick else 7)
     options.budget = options.budget or (1.5 if options.quick else 60.0)
     return options
 

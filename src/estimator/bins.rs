@@ -5,10 +5,6 @@ use crate::numeric::Sum;
 use crate::sample::{Sample, Weights};
 use crate::space::Warning;
 use crate::space::binning::{self, Mesh};
-use rayon::prelude::*;
-
-/// Points that one pass of counting handles at a time; a constant, so that the blocks do not depend on the number of threads.
-const BLOCK: usize = 1 << 18;
 
 /// The mass of a sample in the half-open bins [origin + k·width, origin + (k + 1)·width), k whole.
 ///
@@ -21,6 +17,8 @@ const BLOCK: usize = 1 << 18;
 pub(super) struct Bins {
     origin: f64,
     width: f64,
+    /// The largest magnitude of a datum.
+    farthest: f64,
     store: Store,
 }
 
@@ -45,6 +43,7 @@ impl Bins {
             return Ok(Self {
                 origin,
                 width,
+                farthest: 0.0,
                 store,
             });
         }
@@ -83,6 +82,7 @@ impl Bins {
         Ok(Self {
             origin,
             width,
+            farthest: least.abs().max(most.abs()),
             store,
         })
     }
@@ -162,9 +162,8 @@ impl Bins {
     }
 
     /// What to say if bins are narrower than the numbers around them can tell apart.
-    pub(super) fn warnings(&self, sample: &Sample<1>) -> Vec<Warning> {
-        let (least, most) = range(sample);
-        let largest = least.abs().max(most.abs()).max(self.origin.abs());
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let largest = self.farthest.max(self.origin.abs());
         if self.width >= 2.0 * f64::EPSILON * largest {
             return Vec::new();
         }
@@ -189,10 +188,7 @@ fn range(sample: &Sample<1>) -> (f64, f64) {
     let nothing = (f64::INFINITY, f64::NEG_INFINITY);
     let x = sample.coordinates();
     match sample.weights() {
-        Weights::Equal(_) => x
-            .par_chunks(BLOCK)
-            .map(|block| block.iter().copied().fold(nothing, widen))
-            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1))),
+        Weights::Equal(_) => binning::range(x),
         Weights::Each(weights) => x
             .iter()
             .zip(weights.iter())
@@ -311,14 +307,14 @@ mod tests {
             panic!("a row")
         };
         assert_eq!(numbers.len(), 4);
-        assert_eq!(bins.warnings(&equal(&[1e12])).len(), 1);
+        assert_eq!(bins.warnings().len(), 1);
         assert!(Bins::of(&equal(&[-1e300, 1e300]), 0.0, 1e-12).is_err());
     }
 
     /// Blocks and threads are no part of the result.
     #[test]
     fn many_points_are_counted_alike_by_any_number_of_threads() {
-        let n = 3 * BLOCK + 17;
+        let n = 3 * (1_usize << 18) + 17;
         let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.618).fract()).collect();
         let weights: Vec<f64> = (0..n).map(|i| 0.1 + (i % 7) as f64).collect();
         let points: Vec<[f64; 1]> = x.iter().map(|&x| [x]).collect();

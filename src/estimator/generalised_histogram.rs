@@ -114,7 +114,7 @@ impl Estimator<1> for GeneralisedHistogram {
     fn fit(&self, sample: &Sample<1>) -> Result<Estimate<1>, FitError> {
         let of = |sample: &Sample<1>| Fitted::of(sample, self.width, self.origin, self.degree);
         let total = of(sample)?;
-        let warnings = total.bins.warnings(sample);
+        let warnings = total.bins.warnings();
         let channels = (0..sample.channels())
             .map(|c| Ok(Arc::new(of(&sample.channel(c))?) as Arc<dyn Field<1>>))
             .collect::<Result<_, FitError>>()?;

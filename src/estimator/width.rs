@@ -81,7 +81,7 @@ impl Width {
             })
         };
         let total = binned(sample)?;
-        warnings.extend(total.bins.warnings(sample));
+        warnings.extend(total.bins.warnings());
         let channels = (0..sample.channels())
             .map(|c| Ok(Arc::new(field(binned(&sample.channel(c))?)) as Arc<dyn Field<1>>))
             .collect::<Result<_, FitError>>()?;

@@ -4,6 +4,7 @@ use super::lattice::{Cells, Lattice, TERMS};
 use crate::numeric::Sum;
 use crate::numeric::special::normal_density;
 use crate::sample::{Sample, Weights};
+use crate::space::binning::range;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -309,30 +310,6 @@ fn over_lags(lattice: &Lattice, order: usize, g: f64) -> f64 {
 /// The largest power of two not above `x`, exactly.
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (0x7FF << 52))
-}
-
-fn range(points: &[f64]) -> (f64, f64) {
-    const LANES: usize = 8;
-    let mut low = [f64::INFINITY; LANES];
-    let mut high = [f64::NEG_INFINITY; LANES];
-    let chunks = points.chunks_exact(LANES);
-    for (i, &x) in chunks.remainder().iter().enumerate() {
-        (low[i], high[i]) = (low[i].min(x), high[i].max(x));
-    }
-    for chunk in chunks {
-        for i in 0..LANES {
-            low[i] = if chunk[i] < low[i] { chunk[i] } else { low[i] };
-            high[i] = if chunk[i] > high[i] {
-                chunk[i]
-            } else {
-                high[i]
-            };
-        }
-    }
-    (
-        low.into_iter().fold(f64::INFINITY, f64::min),
-        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    )
 }
 
 #[cfg(test)]

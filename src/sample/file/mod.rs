@@ -136,7 +136,8 @@ fn read_rows<const D: usize>(path: &Path, request: &Request<'_, D>) -> Result<Re
     let head = reader.fill_buf().map_err(|e| origin.system(&e))?;
     let mut rows = Rows::new(&origin, request);
     if head.starts_with(array::MAGIC) {
-        array::read(reader, size, &mut rows)?;
+        let file = size.map(|size| (path, size));
+        array::read(reader, file, &mut rows)?;
     } else if let Some(refusal) = refusal(head) {
         return Err(origin.content(refusal));
     } else {

@@ -357,3 +357,22 @@ fn many_rows_keep_their_order_and_lines() {
     let message = reading(&text, ANY, None).expect_err("not a number");
     assert!(message.starts_with("FILE:100002:1: \"oops\""), "{message}");
 }
+
+#[test]
+fn a_long_array_is_read_by_all_threads_as_by_one() {
+    let n = (1 << 19) + 12_345;
+    let mut values: Vec<f64> = (0..n).map(|i| f64::from(i).sqrt()).collect();
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({n},), }}\n");
+    let got = reading(&array(&header, &doubles(&values)), ANY, None).expect("legal");
+    assert_eq!(got.coordinates(), values);
+    // what is wrong is found as in a short one
+    values[400_000] = f64::NAN;
+    let error = reading(&array(&header, &doubles(&values)), ANY, None).expect_err("not finite");
+    assert!(error.starts_with("FILE:400001"), "{error}");
+    let cut = &array(&header, &doubles(&values[..500_000]));
+    assert!(
+        reading(cut, ANY, None)
+            .expect_err("cut")
+            .contains("cut short")
+    );
+}

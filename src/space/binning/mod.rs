@@ -57,6 +57,31 @@ fn lanes(points: usize, table_bytes: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
+/// The least and the greatest of some numbers; infinity and its opposite of none. O(n), at the speed of memory.
+pub fn range(points: &[f64]) -> (f64, f64) {
+    const LANES: usize = 8;
+    const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    points
+        .par_chunks(BLOCK)
+        .map(|block| {
+            // several at a time, and comparisons written so that each is one instruction
+            let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+            let (chunks, rest) = block.as_chunks::<LANES>();
+            for chunk in chunks {
+                for i in 0..LANES {
+                    let x = chunk[i];
+                    low[i] = if x < low[i] { x } else { low[i] };
+                    high[i] = if x > high[i] { x } else { high[i] };
+                }
+            }
+            let ends = low.into_iter().zip(high);
+            ends.chain(rest.iter().map(|&x| (x, x)))
+                .fold(NOTHING, wider)
+        })
+        .reduce(|| NOTHING, wider)
+}
+
 /// Runs `table` on each lane, in parallel, and adds the tables in the order of the lanes.
 fn in_lanes<T: Send>(
     points: usize,
