@@ -86,7 +86,7 @@ def lab(program, data, answer, k, threads):
     table = Path(answer).with_suffix(".csv")
     estimator = f'nearest-neighbour = {{ k = {k}, convention = "raw" }}'
     done = subprocess.run(
-        [str(program), "estimate", str(data), "--estimator", estimator, f"--grid=0:1:{SIDE},0:1:{SIDE}",
+        [str(program), "estimate", str(data), "--column", "1", "--column", "2", "--estimator", estimator, f"--grid=0:1:{SIDE},0:1:{SIDE}",
          "--threads", str(threads), "--explain", "-o", str(table)],
         capture_output=True, text=True,
     )
