@@ -43,7 +43,8 @@ use std::sync::Arc;
 /// error, where 1.5 does not.
 ///
 /// **Limits.** At a few points a cell ê² is noisy, hence the averaging over `region` and the median filter; ê² also counts a slope as error, though a symmetric window has none
-/// there. Values are those of the texture's cells, linear in between; nothing is seen outside the texture, which covers the domain or, where that is infinite, the data.
+/// there. Values are those of the texture's cells, linear in between; nothing is seen outside the texture, which covers the domain or, where that is infinite, the data. An axis that wraps round is taken
+/// as one between walls.
 pub struct VariableKernel {
     cells: usize,
     search: Search,
@@ -64,7 +65,8 @@ impl Output {
     const NAMES: [&'static str; 3] = ["splat", "window", "nearest-neighbours"];
 }
 
-/// Values at the centres of a texture's cells, linear in between, level outside the outermost centres, zero outside the texture.
+/// Values at the centres of a texture's cells and linear in between. Outside the outermost centres they are level up to a wall; where there is none they fall to zero over one cell, so that the
+/// integral is the sum over the cells either way.
 struct Linear {
     raster: Raster<2>,
     map: Arc<Map>,
@@ -104,16 +106,33 @@ pub(super) fn bilinear(raster: &Raster<2>, x: Point<2>) -> f64 {
     near.mul_add(1.0 - s, far * s)
 }
 
+impl Linear {
+    /// The share of the outermost value that is left at a place outside the outermost centres of an axis; 1 between them.
+    fn inside(&self, x: Point<2>, axis: usize) -> f64 {
+        let grid = self.raster.grid();
+        let (low, high) = (grid.low()[axis], grid.high()[axis]);
+        let beyond = |outside: f64, open: bool| {
+            let cells = outside / grid.width(axis);
+            match (cells > -0.5, open) {
+                (false, _) => 1.0,
+                (true, true) => (0.5 - cells).max(0.0),
+                (true, false) => f64::from(u8::from(cells <= 0.0)),
+            }
+        };
+        beyond(low - x[axis], self.domain.low()[axis].is_infinite())
+            * beyond(x[axis] - high, self.domain.high()[axis].is_infinite())
+    }
+}
+
 impl Field<2> for Linear {
     fn domain(&self) -> &Domain<2> {
         &self.domain
     }
 
     fn at(&self, x: Point<2>) -> f64 {
-        let grid = self.raster.grid();
-        let inside = |k: usize| (grid.low()[k]..=grid.high()[k]).contains(&x[k]);
-        if inside(0) && inside(1) {
-            bilinear(&self.raster, x)
+        let share = self.inside(x, 0) * self.inside(x, 1);
+        if share > 0.0 {
+            share * bilinear(&self.raster, x)
         } else {
             0.0
         }

@@ -69,9 +69,10 @@ fn footprint(radii: &Raster<2>, x: [f64; 2], under: &mut Vec<(usize, f64)>) {
     };
     let (rows, columns) = (range(0), range(1));
     for row in rows.0..rows.1 {
-        let dx = (grid.coordinate(0, row) - x[0]) / radius;
+        // in cells from the low end: far from zero coordinates have lost their digits
+        let dx = (row as f64 - place(0, x[0])) * grid.width(0) / radius;
         for column in columns.0..columns.1 {
-            let dy = (grid.coordinate(1, column) - x[1]) / radius;
+            let dy = (column as f64 - place(1, x[1])) * grid.width(1) / radius;
             let height = 1.0 - dx.mul_add(dx, dy * dy);
             if height > 0.0 {
                 under.push((row * cells[1] + column, height));

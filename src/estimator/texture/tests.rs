@@ -156,6 +156,24 @@ fn one_point_and_points_in_a_row_have_estimates_or_a_reason() {
     ));
 }
 
+/// Where there are no walls the estimate ends without a jump, and holds all mass.
+#[test]
+fn without_walls_it_fades_and_keeps_its_mass() {
+    let moved = |x: &Point<2>| x.map(|x| x + 1e6);
+    let points: Vec<Point<2>> = points(300, 0.3).iter().map(moved).collect();
+    let sample = Sample::equal(points, Domain::whole()).unwrap();
+    let estimate = kernel(&[("cells", Value::Count(10))]).fit(&sample).unwrap();
+    // linear on each quarter of a cell of the texture, whose cells are about a tenth wide
+    let grid = Grid::new([1e6 - 0.2; 2], [1e6 + 1.2; 2], [700; 2]).unwrap();
+    assert!((estimate.on(&grid).integral() - 1.0).abs() < 1e-3);
+    let values: Vec<f64> = (0..70_000)
+        .map(|i| estimate.at([1e6 - 0.2 + f64::from(i) * 2e-5, 1e6 + 0.5]))
+        .collect();
+    let jump = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let peak = values.iter().copied().fold(0.0, f64::max);
+    assert!(jump.fold(0.0, f64::max) < 1e-3 * peak && values[0] == 0.0);
+}
+
 #[test]
 fn filters_without_a_middle_are_refused() {
     let mut values = Values::defaults(VariableKernel::PARAMETERS);

@@ -163,7 +163,7 @@ impl Cells {
         self.stripes(home, 0.0, high, |outer, _| {
             let points = &self.points[outer.0..outer.1];
             if found.len() < end + points.len() {
-                found.resize(2 * (end + points.len()), (0.0, 0));
+                found.resize(end + points.len(), (0.0, 0));
             }
             // as in `ring`: written down, and written over unless wanted
             for (&x, &number) in points.iter().zip(&self.numbers[outer.0..outer.1]) {
