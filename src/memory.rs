@@ -25,6 +25,25 @@ pub fn available() -> u64 {
         .unwrap_or(u64::MAX)
 }
 
+/// `count` times `zero`, each page of which has been written once.
+///
+/// What a system gives as zeros may be one page shown many times until it is written. A table that is read and written in turn then takes a copy of it page by
+/// page, and each copy interrupts all processors that run this program: where two threads fill tables that costs more than the second one gains.
+#[inline]
+pub fn zeros<T: Copy>(zero: T, count: usize) -> Vec<T> {
+    const PAGE: usize = 4096;
+    let mut table = vec![zero; count];
+    let step = (PAGE / size_of::<T>().max(1)).max(1);
+    for place in table.iter_mut().step_by(step) {
+        // not left out as superfluous
+        *place = std::hint::black_box(zero);
+    }
+    if let Some(last) = table.last_mut() {
+        *last = std::hint::black_box(zero);
+    }
+    table
+}
+
 /// Says whether `needed` further bytes fit.
 ///
 /// # Errors

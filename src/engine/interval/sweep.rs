@@ -5,6 +5,7 @@
 use super::super::basis::{Basis, CHUNK, Side};
 use super::lattice::{Lattice, Partition, block};
 use crate::kernel::{Kernel, KernelSum, Shape};
+use crate::memory::zeros;
 use crate::sample::Weights;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ impl<const N: usize> Table<N> {
         /// `f64`s in a line of the cache.
         const LINE: usize = 8;
         let rows = intervals.next_power_of_two();
-        let numbers = vec![0.0; rows * N + LINE];
+        let numbers = zeros(0.0, rows * N + LINE);
         let first = numbers
             .as_ptr()
             .align_offset(LINE * size_of::<f64>())
@@ -96,7 +97,7 @@ impl<B: Basis<N>, P: Places, const N: usize, const DOUBT: bool> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, _simd: S) -> Partial<N> {
         let mut partial = Partial {
-            rows: vec![[0.0; N]; self.partition.centres.len()],
+            rows: zeros([0.0; N], self.partition.centres.len()),
             corrections: Vec::new(),
         };
         let mut scratch = Scratch {

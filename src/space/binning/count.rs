@@ -1,6 +1,7 @@
 //! Histograms: how many points, or what mass, each bin holds.
 
 use super::{BLOCK, CHUNK, ROUNDER, clamp, in_lanes, largest, split};
+use crate::memory::zeros;
 use pulp::{Arch, Simd, WithSimd};
 
 /// What the bins received, and what fell outside.
@@ -190,8 +191,8 @@ impl<const SIZE: usize> WithSimd for Count<'_, SIZE> {
         let Self { points, search } = self;
         let wanted = search.table();
         let size = if SIZE > 0 { SIZE } else { wanted };
-        let mut tables = (vec![0u32; size], vec![0u32; size]);
-        let mut total = vec![0u64; wanted];
+        let mut tables = (zeros(0u32, size), zeros(0u32, size));
+        let mut total = zeros(0u64, wanted);
         let mut index = [0u32; CHUNK];
         // flushed long before a count of 32 bits is full
         for block in points.chunks(1 << 31) {
@@ -237,7 +238,7 @@ impl WithSimd for Weigh<'_> {
             search,
         } = self;
         let size = search.table();
-        let mut table = vec![[0.0; 2]; size];
+        let mut table = zeros([0.0; 2], size);
         let mut index = [0u32; CHUNK];
         let mut parts = [[0.0f64; 2]; CHUNK];
         for (points, weights) in points.chunks(BLOCK).zip(weights.chunks(BLOCK)) {

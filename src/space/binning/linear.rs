@@ -5,6 +5,7 @@
 //! estimators, JCGS 3, section 2; Hall & Wand 1996, On the accuracy of binned kernel density estimators, JMVA 56.
 
 use super::{BLOCK, CHUNK, ROUNDER, clamp, in_lanes, largest};
+use crate::memory::zeros;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Equally spaced nodes `low + i·step`, at least two.
@@ -125,8 +126,8 @@ impl WithSimd for Packed<'_> {
         // cell c lies between the nodes c - 1 and c; cell 0 is below the first node and cell `count` above the last
         let origin = nodes.low;
         let top = nodes.count as f64 + 0.5;
-        let mut table = vec![0u64; size];
-        let mut shared = vec![0.0f64; nodes.count + 1];
+        let mut table = zeros(0u64, size);
+        let mut shared = zeros(0.0f64, nodes.count + 1);
         let mut fixed = [0u64; CHUNK];
         for block in points.chunks(PACKED_BLOCK) {
             for chunk in block.chunks(CHUNK) {
@@ -177,8 +178,8 @@ impl WithSimd for Weighted<'_> {
         let inverse = nodes.step.recip();
         let origin = nodes.low;
         let top = nodes.count as f64 + 0.5;
-        let mut table = vec![[0.0; 2]; size];
-        let mut total = vec![[0.0; 2]; nodes.count + 1];
+        let mut table = zeros([0.0; 2], size);
+        let mut total = zeros([0.0; 2], nodes.count + 1);
         let mut index = [0u32; CHUNK];
         let mut fraction = [0.0; CHUNK];
         let mut scaled = [0.0; CHUNK];

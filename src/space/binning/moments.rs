@@ -1,6 +1,7 @@
 //! Moments of the points of each cell about the centre of the cell.
 
 use super::{BLOCK, CHUNK, ROUNDER, clamp, in_lanes, largest, split};
+use crate::memory::zeros;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Cells centred at whole multiples of a power of two.
@@ -127,8 +128,8 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
         let origin = (low + ROUNDER).to_bits() as u32;
         let used = (rows * QUADS).div_ceil(2);
         let size = used.next_power_of_two();
-        let mut table = vec![Line::ZERO; size];
-        let mut total = vec![Line::ZERO; used];
+        let mut table = zeros(Line::ZERO, size);
+        let mut total = zeros(Line::ZERO, used);
         let mut index = [0u32; CHUNK];
         let mut place = [0.0f64; CHUNK];
         let mut scaled = [0.0f64; CHUNK];
