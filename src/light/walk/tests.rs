@@ -423,3 +423,11 @@ fn returned_light_is_what_the_surface_reflects() {
     };
     assert!(redness(true) > 1.3 * redness(false), "{}", redness(true));
 }
+
+/// Rounding must not add up from bounce to bounce: hundreds of them, and nothing leaves a closed sphere.
+#[test]
+fn long_paths_stay_in_a_sphere() {
+    let white = changed("sphere.toml", "reflectance = 0.8", "reflectance = 0.995");
+    let (hits, ledger) = run(&white, Power::Same, 400, 15);
+    assert!(hits.len() > 400 * 100 && ledger.left == 0);
+}

@@ -92,9 +92,11 @@ impl Sphere {
         ]
     }
 
+    /// Of length 1 even for a place that rounding has put beside the sphere: with the radius for its length, directions about it would have the error of the
+    /// place, the next place a larger one, and a photon would leave a closed sphere after some forty bounces.
     #[inline]
     pub(super) fn normal(&self, place: Vector) -> Vector {
-        let outward = (place - self.centre) / self.radius;
+        let outward = (place - self.centre).normalize();
         if self.inward { -outward } else { outward }
     }
 
