@@ -5,6 +5,7 @@ use super::{Choice, LAWS, MAX, MIN, Rule, convention, fit, told};
 use crate::estimator::{
     Build, BuildError, Context, Described, Estimate, Estimator, FitError, Kde, Laws,
 };
+use crate::kernel::Bandwidth;
 use crate::neighbour::Searchable;
 use crate::parameter::{Absent, Kind, Parameter, Value, Values};
 use crate::sample::Sample;
@@ -110,14 +111,17 @@ fn laplacian<const D: usize>(raster: &Raster<D>) -> Vec<f64> {
 impl TwoStage {
     fn pilot<const D: usize>(
         sample: &Sample<D>,
-        bandwidth: Value,
+        bandwidths: impl IntoIterator<Item = Value>,
         grid: &Grid<D>,
-    ) -> Result<(Raster<D>, Option<f64>), FitError>
+    ) -> Result<(Raster<D>, Option<Bandwidth<D>>), FitError>
     where
         Kde<D>: Build<D>,
     {
         let mut values = Values::defaults(<Kde<D> as Described>::PARAMETERS);
-        values.set("bandwidth", bandwidth);
+        // one for all axes, or one for each
+        for (name, bandwidth) in ["bandwidth", "bandwidth-y"].into_iter().zip(bandwidths) {
+            values.set(name, bandwidth);
+        }
         if sample.domain().has_walls() {
             values.set("boundary", Value::Word("reflect".to_owned()));
         }
@@ -128,7 +132,7 @@ impl TwoStage {
         let estimator = <Kde<D> as Build<D>>::build(&values, &context)
             .map_err(|error| FitError::Degenerate(format!("the pilot estimate: {error}")))?;
         let estimate = estimator.fit(sample)?;
-        Ok((estimate.on(grid), estimate.smoothing))
+        Ok((estimate.on(grid), estimate.bandwidth))
     }
 }
 
@@ -144,14 +148,18 @@ where
     fn fit(&self, sample: &Sample<D>) -> Result<Estimate<D>, FitError> {
         const WIDER: f64 = 1.5;
         let grid = grid(sample)?;
-        let (density, used) = Self::pilot(sample, self.pilot.clone(), &grid)?;
-        let wider = self.curvature.or_else(|| Some(WIDER * used?));
-        let Some(wider) = wider else {
-            return Err(FitError::Degenerate(
-                "the pilot's rule gives no single bandwidth; give `curvature`".to_owned(),
-            ));
+        let (density, used) = Self::pilot(sample, [self.pilot.clone()], &grid)?;
+        let wider: Vec<Value> = match (self.curvature, used) {
+            (Some(h), _) => vec![Value::Number(h)],
+            (None, Some(Bandwidth::Fixed(h))) => h.map(|h| Value::Number(WIDER * h)).to_vec(),
+            (None, _) => {
+                return Err(FitError::Degenerate(
+                    "the pilot's rule gives a bandwidth for each datum; give `curvature`"
+                        .to_owned(),
+                ));
+            }
         };
-        let (smooth, _) = Self::pilot(sample, Value::Number(wider), &grid)?;
+        let (smooth, _) = Self::pilot(sample, wider, &grid)?;
         let (n, mass) = (sample.effective_size(), sample.mass());
         let (min, max) = self.range;
         let neighbours = density

@@ -4,7 +4,7 @@ use super::Svg;
 use super::backend::{Backend, UNITS};
 use super::path::Place;
 use super::style::{self, Stroke};
-use crate::report::text::{fit, width};
+use crate::report::text::{BOLDER, fit, width};
 use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::prelude::Text;
@@ -203,8 +203,7 @@ impl Canvas {
     /// The figure's title at the top left, over at most two lines; returns the height it took.
     pub fn title(&self, title: &str, room: f64) -> f64 {
         let kind = Type::new(style::TITLE, style::INK, Hang::Left).bold();
-        // Semibold is a little wider than the regular weight that is measured.
-        let size = 1.07 * style::TITLE;
+        let size = BOLDER * style::TITLE;
         let mut lines: Vec<String> = Vec::new();
         for word in title.split_whitespace() {
             match lines.last_mut() {

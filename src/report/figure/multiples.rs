@@ -8,7 +8,7 @@ use super::path::Place;
 use super::scale::{Scale, Ticks};
 use super::style;
 use super::{Axis, Series, Svg};
-use crate::report::text::{fit, width};
+use crate::report::text::{BOLDER, fit, width};
 
 /// One small panel.
 #[derive(Clone, Debug, Default)]
@@ -224,7 +224,7 @@ impl Multiples {
         );
         let name = fit(
             &small.title,
-            1.07 * style::LABEL,
+            BOLDER * style::LABEL,
             layout.across - width(&note, style::TICK),
         );
         canvas.text(

@@ -72,6 +72,9 @@ pub struct Sweep {
 
 const HEIGHT: f64 = 320.0;
 
+/// How many times lower than its upper end an interval is cut that reaches zero.
+const CUT: f64 = 30.0;
+
 fn stroke(part: Part) -> Stroke {
     let colour: RGBColor = match part {
         Part::Total => style::INK,
@@ -87,6 +90,20 @@ fn stroke(part: Part) -> Stroke {
             style::LINE
         },
     )
+}
+
+/// Whether an interval reaches zero, which a logarithmic axis does not.
+fn reaches_zero(measured: &Measured, y: Scale) -> bool {
+    measured.low <= 0.0 && y.is_logarithmic()
+}
+
+/// Where an interval is drawn to end below: one that reaches zero on a logarithmic axis is cut, lest it fill the figure.
+fn foot(measured: &Measured, y: Scale) -> f64 {
+    if reaches_zero(measured, y) {
+        (measured.high / CUT).max(y.ends().0)
+    } else {
+        measured.low
+    }
 }
 
 /// Where a trace can be seen to end.
@@ -146,9 +163,10 @@ impl Sweep {
         for trace in &self.traces {
             let column =
                 |of: fn(&Measured) -> f64| -> Vec<f64> { trace.measured.iter().map(of).collect() };
+            let low: Vec<f64> = trace.measured.iter().map(|m| foot(m, y)).collect();
             panel.band(
                 &column(|m| m.at),
-                &column(|m| m.low),
+                &low,
                 &column(|m| m.high),
                 stroke(trace.part).colour,
                 style::BAND,
@@ -164,11 +182,7 @@ impl Sweep {
                 );
             }
             for measured in &trace.measured {
-                let low = if measured.low <= 0.0 && y.is_logarithmic() {
-                    y.ends().0
-                } else {
-                    measured.low
-                };
+                let low = foot(measured, y);
                 panel.line(
                     [(measured.at, low), (measured.at, measured.high)],
                     Stroke::new(line.colour, 1.1),
@@ -239,7 +253,13 @@ impl Sweep {
             let name = if self.interval.is_empty() {
                 "Monte Carlo mean".into()
             } else {
-                format!("Monte Carlo mean, {}", self.interval)
+                let y = self.scales().1;
+                let cut = self
+                    .traces
+                    .iter()
+                    .any(|trace| trace.measured.iter().any(|m| reaches_zero(m, y)));
+                let note = if cut { ", cut where it reaches 0" } else { "" };
+                format!("Monte Carlo mean, {}{note}", self.interval)
             };
             key.push(Entry {
                 swatch: Swatch::Interval(style::INK),

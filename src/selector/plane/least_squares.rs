@@ -102,17 +102,18 @@ impl Risk {
         self.of(self.pairs.glance(h, self.factor), h)
     }
 
-    /// The minimum of the criterion near `h`: over both widths, or along their ratio. Both are followed in logarithms, along t and across it, until neither moves.
-    fn improve(&self, h: [f64; 2], common: bool) -> [f64; 2] {
+    /// The minimum of the criterion near `h`, which is looked at through `value`: over both widths, or along their ratio. Both are followed in logarithms, along t and
+    /// across it, until neither moves.
+    fn improve(&self, value: &impl Fn([f64; 2]) -> f64, h: [f64; 2], common: bool) -> [f64; 2] {
         let at = |t: f64, a: f64| [h[0] * (t + a).exp(), h[1] * (t - a).exp()];
         let (mut t, mut a) = (0.0_f64, 0.0_f64);
         let mut half = 0.25;
         for _ in 0..if common { 1 } else { 12 } {
             let before = (t, a);
             if !common {
-                a += minimise(|x| self.glance(at(t, a + x)), -half, half, 1e-7).at;
+                a += minimise(|x| value(at(t, a + x)), -half, half, 1e-7).at;
             }
-            t += minimise(|x| self.glance(at(t + x, a)), -half, half, 1e-7).at;
+            t += minimise(|x| value(at(t + x, a)), -half, half, 1e-7).at;
             let moved = (t - before.0).abs().max((a - before.1).abs());
             if moved < 1e-6 {
                 break;
@@ -238,7 +239,7 @@ impl Selector<2> for PlaneLeastSquares {
             let Some((first, warnings)) = found.choose(WHAT) else {
                 continue;
             };
-            let h = risk.improve(tilted(first / direction[0], a), self.common);
+            let h = risk.improve(&value, tilted(first / direction[0], a), self.common);
             let slant = 0.5 * (h[0] / direction[0] / (h[1] / direction[1])).ln();
             if !self.common && slant.abs() > FARTHEST {
                 fell = true;

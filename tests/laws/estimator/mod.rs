@@ -106,14 +106,13 @@ fn find<T: Sync>(items: &[T], look: impl Fn(&T) -> Option<String> + Sync) -> Vec
     found.into_iter().map(|(_, what)| what).collect()
 }
 
-/// By default every so many-th pair of a setting and a law is tried, a number that shares no factor with that of the laws. `LAB_LAWS_STRIDE=1` asks for all,
-/// which has not been seen to finish: the mass of the nested neighbour estimators is integrated without end.
+/// By default every so many-th pair of a setting and a law is tried, a number that shares no factor with that of the laws. `LAB_LAWS_STRIDE=1` asks for all.
 fn stride() -> usize {
     let asked = std::env::var("LAB_LAWS_STRIDE").ok();
     asked
         .and_then(|word| word.parse().ok())
         .filter(|&stride| stride > 0)
-        .unwrap_or(151)
+        .unwrap_or(61)
 }
 
 fn catalogue_keeps_the_laws<const D: usize>()
@@ -137,9 +136,22 @@ where
         let verdict = judge(subject, law);
         let clock = spent.iter().find(|(name, _)| *name == law.name).unwrap();
         *clock.1.lock().unwrap() += start.elapsed().as_secs_f64();
+        if start.elapsed().as_secs_f64() > 4.0 {
+            eprintln!(
+                "{D}D SLOW {:.1} {}: {}",
+                start.elapsed().as_secs_f64(),
+                subject.name,
+                law.name
+            );
+        }
         match verdict {
             Verdict::Kept | Verdict::RightlyNotPromised => None,
-            fault => Some(format!("{}: {}: {fault:?}", subject.name, law.name)),
+            fault => {
+                let fault = format!("{}: {}: {fault:?}", subject.name, law.name);
+                // at once, so that a run that is cut short has said it
+                eprintln!("{D}D fault: {fault}");
+                Some(fault)
+            }
         }
     });
     let estimators = ESTIMATORS

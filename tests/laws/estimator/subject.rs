@@ -113,6 +113,7 @@ where
     // integrals over a truth lose digits far from zero, as searches do
     let by_search = [
         "lscv",
+        "lscv-common",
         "ucv",
         "bcv",
         "likelihood-cross-validation",
