@@ -44,7 +44,7 @@ pub struct Run {
     experiment: PathBuf,
 
     /// The folder for the results [default: runs/NAME-HASH]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
     /// Another seed than the file's

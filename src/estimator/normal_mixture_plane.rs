@@ -50,10 +50,15 @@ impl Part {
     }
 
     fn density(&self, [x, y]: Point<2>) -> f64 {
-        let [xx, xy, yy] = self.covariance;
+        let [xx, xy, _] = self.covariance;
         let determinant = self.determinant();
         let (a, b) = (x - self.mean[0], y - self.mean[1]);
-        let square = (yy * a * a - 2.0 * xy * a * b + xx * b * b) / determinant;
+        if !(a.is_finite() && b.is_finite()) {
+            return 0.0;
+        }
+        // a sum of squares, which is no difference of infinities far out
+        let rest = b - xy / xx * a;
+        let square = a * a / xx + rest * rest * xx / determinant;
         self.share * (-0.5 * square).exp() / (2.0 * PI * determinant.sqrt())
     }
 

@@ -112,7 +112,7 @@ fn stride() -> usize {
     asked
         .and_then(|word| word.parse().ok())
         .filter(|&stride| stride > 0)
-        .unwrap_or(61)
+        .unwrap_or(13)
 }
 
 fn catalogue_keeps_the_laws<const D: usize>()
@@ -136,14 +136,6 @@ where
         let verdict = judge(subject, law);
         let clock = spent.iter().find(|(name, _)| *name == law.name).unwrap();
         *clock.1.lock().unwrap() += start.elapsed().as_secs_f64();
-        if start.elapsed().as_secs_f64() > 4.0 {
-            eprintln!(
-                "{D}D SLOW {:.1} {}: {}",
-                start.elapsed().as_secs_f64(),
-                subject.name,
-                law.name
-            );
-        }
         match verdict {
             Verdict::Kept | Verdict::RightlyNotPromised => None,
             fault => {

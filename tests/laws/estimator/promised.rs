@@ -31,7 +31,11 @@ pub fn mass<const D: usize>(subject: &Subject<D>, data: &Data<D>) -> Option<Stri
         // who promises nothing is looked at less closely, and must be farther off
         _ => {
             let (integral, size) = over_the_plane(subject, &estimate, data)?;
-            let margin = if promised { quadrature(D) * size } else { 0.08 };
+            let margin = match (promised, subject.plain().laws().continuous) {
+                (true, _) => quadrature(D) * size,
+                (false, true) => 0.01 * size,
+                (false, false) => 0.08,
+            };
             (integral, margin)
         }
     };
@@ -162,7 +166,8 @@ fn over_the_plane<const D: usize>(
     }
     let laws = subject.plain().laws();
     let mut cells = match (laws.mass_conserving, laws.continuous) {
-        (false, _) => [80; D],
+        (false, false) => [80; D],
+        (false, true) => [120; D],
         (true, true) => [200; D],
         // edges fall between cells, slopes do not
         (true, false) => [500; D],
