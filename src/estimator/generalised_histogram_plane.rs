@@ -4,11 +4,14 @@ use super::cells::{Cells, Lattice};
 use super::generalised_histogram::{HIGHEST, legendre};
 use super::{
     Build, BuildError, Context, Described, Estimate, Estimator, FitError, GeneralisedHistogram,
-    Laws,
+    Laws, Moments,
 };
+use crate::density::Density;
 use crate::parameter::{Parameter, Values};
 use crate::sample::Sample;
 use crate::space::{Domain, Field, Point};
+use crate::theory::{Support, plane_equivalent_moments};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// f̂(x, y) = Σⱼₖ (2j + 1)(2k + 1) Pⱼ(s) Pₖ(t) Mⱼₖ / (width-x · width-y) for j, k up to the degree, with (s, t) from -1 to 1 across the bin and Mⱼₖ = Σ wᵢ Pⱼ(sᵢ) Pₖ(tᵢ) over its data.
@@ -95,6 +98,38 @@ impl Estimator<2> for GeneralisedHistogramPlane {
         let mut estimate = Estimate::new(field(sample)?).with_channels(channels);
         estimate.smoothing = Some(self.lattice.area().sqrt());
         Ok(estimate)
+    }
+
+    /// f̂(x) is the mean of κ(x, Xᵢ) = Σⱼₖ (2j + 1)(2k + 1) Pⱼ(s) Pₖ(t) Pⱼ(sᵢ) Pₖ(tᵢ) / (width-x · width-y) over the points in the bin of x: by quadrature over the bin.
+    fn expectation(
+        &self,
+        truth: &dyn Density<2>,
+        draws: usize,
+        places: &[Point<2>],
+    ) -> Option<Vec<Moments>> {
+        let lattice = &self.lattice;
+        let at = |&x: &Point<2>| {
+            let number = lattice.number(x);
+            let here = lattice.across(number, x).map(all);
+            let kernel = |y: Point<2>| {
+                let there = lattice.across(number, y).map(all);
+                let axis = |axis: usize| -> f64 {
+                    (0..=self.degree)
+                        .map(|j| (2 * j + 1) as f64 * here[axis][j] * there[axis][j])
+                        .sum()
+                };
+                axis(0) * axis(1) / lattice.area()
+            };
+            let support = Support {
+                centre: [0, 1].map(|k: usize| {
+                    (number[k] + 0.5).mul_add(lattice.widths[k], lattice.origin[k])
+                }),
+                reach: lattice.widths.map(|width| 0.5 * width),
+                round: false,
+            };
+            plane_equivalent_moments(truth, kernel, support, f64::INFINITY, draws as f64)
+        };
+        Some(places.par_iter().map(at).collect())
     }
 }
 

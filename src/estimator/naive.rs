@@ -49,6 +49,19 @@ impl Estimator<2> for Naive<2> {
     fn fit(&self, sample: &Sample<2>) -> Result<Estimate<2>, FitError> {
         self.0.fit(sample)
     }
+
+    fn expectation(
+        &self,
+        truth: &dyn Density<2>,
+        draws: usize,
+        places: &[Point<2>],
+    ) -> Option<Vec<Moments>> {
+        self.0.expectation(truth, draws, places)
+    }
+
+    fn family(&self) -> Option<Family> {
+        self.0.family()
+    }
 }
 
 impl<const D: usize> Described for Naive<D>

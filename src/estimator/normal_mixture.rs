@@ -44,7 +44,7 @@ const HEAT: usize = 50;
 const STILL: f64 = 1e-14;
 
 /// A later start must be better than the best by so much in the mean logarithm of the likelihood.
-const BETTER: f64 = 1e-9;
+pub(super) const BETTER: f64 = 1e-9;
 
 /// A mixture in units of the data's deviation about their mean: [share, mean, deviation] of each normal.
 type Mixture = [[f64; 3]; 2];
@@ -74,6 +74,21 @@ struct Climb {
 struct Standard {
     z: Vec<f64>,
     weights: Vec<f64>,
+}
+
+/// Which two climbs to go on with: the best, and the best of the others. Of those that differ by rounding alone the earlier one, so that the unit of the data does not decide.
+pub(super) fn promising(likelihoods: &[f64]) -> [usize; 2] {
+    let best_but = |not: Option<usize>| {
+        let others = || (0..likelihoods.len()).filter(move |at| Some(*at) != not);
+        let most = others()
+            .map(|at| likelihoods[at])
+            .fold(f64::NEG_INFINITY, f64::max);
+        others()
+            .find(|&at| likelihoods[at] >= most - BETTER)
+            .unwrap_or_default()
+    };
+    let first = best_but(None);
+    [first, best_but(Some(first))]
 }
 
 impl Standard {
@@ -154,7 +169,7 @@ impl Standard {
 
     fn likeliest(&self, floor: f64, steps: usize) -> Climb {
         let heat = HEAT.min(steps);
-        let mut climbs: Vec<Climb> = STARTS
+        let climbs: Vec<Climb> = STARTS
             .iter()
             .map(|&mixture| {
                 let start = Climb {
@@ -165,12 +180,8 @@ impl Standard {
                 self.climb(start, floor, heat)
             })
             .collect();
-        // stable, so that equals keep the order of the starts
-        climbs.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
-        let ends: Vec<Climb> = climbs[..2]
-            .iter()
-            .map(|climb| self.climb(*climb, floor, steps - heat))
-            .collect();
+        let likelihoods: Vec<f64> = climbs.iter().map(|climb| climb.likelihood).collect();
+        let ends = promising(&likelihoods).map(|at| self.climb(climbs[at], floor, steps - heat));
         if ends[1].likelihood > ends[0].likelihood + BETTER {
             ends[1]
         } else {

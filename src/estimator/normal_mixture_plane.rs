@@ -1,7 +1,7 @@
 //! Two normals of the plane, each with its own covariance, fitted by expectation and maximisation.
 
 use super::normal::{likeliest_plane, resolved_plane};
-use super::normal_mixture::NormalMixtureFit;
+use super::normal_mixture::{BETTER, NormalMixtureFit, promising};
 use super::{Build, BuildError, Context, Estimate, Estimator, FitError, Laws};
 use crate::numeric::Sum;
 use crate::parameter::Values;
@@ -19,9 +19,6 @@ const HEAT: usize = 50;
 
 /// A step that changes no parameter by more than this, in deviations of the data, is the last.
 const STILL: f64 = 1e-13;
-
-/// A later start must be better than the best by so much in the mean logarithm of the likelihood.
-const BETTER: f64 = 1e-9;
 
 /// Σ w r, Σ w r a, Σ w r b, Σ w r a², Σ w r ab, Σ w r b² of each normal, and Σ w log f.
 const SUMS: usize = 13;
@@ -235,7 +232,7 @@ impl Standard {
 
     fn likeliest(&self, floor: f64, steps: usize) -> Climb {
         let heat = HEAT.min(steps);
-        let mut climbs: Vec<Climb> = starts()
+        let climbs: Vec<Climb> = starts()
             .into_iter()
             .map(|mixture| {
                 let start = Climb {
@@ -247,12 +244,8 @@ impl Standard {
                 self.climb(start, floor, heat)
             })
             .collect();
-        // stable, so that equals keep the order of the starts
-        climbs.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
-        let ends: Vec<Climb> = climbs[..2]
-            .iter()
-            .map(|climb| self.climb(*climb, floor, steps - heat))
-            .collect();
+        let likelihoods: Vec<f64> = climbs.iter().map(|climb| climb.likelihood).collect();
+        let ends = promising(&likelihoods).map(|at| self.climb(climbs[at], floor, steps - heat));
         if ends[1].likelihood > ends[0].likelihood + BETTER {
             ends[1]
         } else {

@@ -297,6 +297,14 @@ pub enum Statement {
         /// Confidence of the interval for the share; 0.99 if not given.
         confidence: f64,
     },
+    /// `everywhere = { [of = [A, ..]], agrees-with = "exact", [confidence = C] }`: at every target the mean of the simulated estimates agrees with the exact mean, given the exact
+    /// variance, for all targets and estimators at once; targets that too few points reach for a normal mean are left out.
+    Everywhere {
+        /// The estimators; all when empty.
+        of: Vec<String>,
+        /// The probability that nothing true is rejected; 0.99 if not given.
+        confidence: f64,
+    },
     /// `best = { of = SWEEP, near = "oracle" | "exact", within = REL }`: the simulated MISE of the sweep is least within REL of the exact optimum: that over the whole line or plane
     /// whatever was swept (`oracle`), or that of the exact values of the same sweep over the same cells (`exact`).
     BestIsNear {
@@ -320,6 +328,15 @@ pub enum Statement {
         /// How many significant digits must agree.
         digits: u32,
     },
+}
+
+/// Names of estimators in a sentence.
+fn several(of: &[String]) -> String {
+    match of {
+        [] => "all estimators".to_owned(),
+        [one] => one.clone(),
+        many => format!("{} estimators", many.len()),
+    }
 }
 
 /// The statement as a sentence.
@@ -363,12 +380,15 @@ impl fmt::Display for Statement {
                     Some(over) => write!(f, " times that of {over}{other}"),
                 }
             }
+            Self::Everywhere { of, .. } => {
+                let of = several(of);
+                write!(
+                    f,
+                    "the mean estimate of {of} agrees with the exact one everywhere"
+                )
+            }
             Self::AgreesWithExact { measure, of, .. } => {
-                let of = match &of[..] {
-                    [] => "all estimators".to_owned(),
-                    [one] => one.clone(),
-                    many => format!("{} estimators", many.len()),
-                };
+                let of = several(of);
                 let name = measure.name();
                 write!(f, "simulated {name} of {of} agrees with the exact value")
             }

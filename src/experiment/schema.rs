@@ -141,6 +141,11 @@ fn claim_schema() -> Value {
             table(form::COVERAGE),
             "how often the interval at a place holds what it is about".to_owned(),
         ),
+        (
+            "everywhere",
+            table(form::AGREES),
+            "whether the mean estimate is the exact one at every place".to_owned(),
+        ),
     ];
     tagged(form::COMMON, measures.chain(others))
 }

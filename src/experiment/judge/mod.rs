@@ -2,6 +2,7 @@
 
 mod comparison;
 mod coverage;
+mod everywhere;
 mod modes;
 mod optimum;
 mod regret;
@@ -19,6 +20,7 @@ use crate::accuracy::sidak;
 use crate::random;
 use comparison::{agrees, below_by, equal};
 use coverage::covers;
+use everywhere::everywhere;
 use modes::{median_modes, share_of_modes};
 use optimum::{best_is_near, oracle};
 use regret::regret;
@@ -295,6 +297,9 @@ fn judge_one<const D: usize>(
             margin,
             confidence,
         } => covers(group, of, (at, *truth), (*equals, *margin), *confidence),
+        Statement::Everywhere { of, confidence } => {
+            everywhere(group, of, sidak(*confidence, groups))
+        }
         // judged over all sizes together
         Statement::Slope { .. } => None,
         Statement::Oracle {
@@ -323,6 +328,7 @@ fn without_grounds<const D: usize>(statement: &Statement, group: &Group<D>) -> O
         | Statement::BestIsNear { .. }
         | Statement::Oracle { .. }
         | Statement::Coverage { .. }
+        | Statement::Everywhere { .. }
         | Statement::Slope { .. } => {
             return None;
         }

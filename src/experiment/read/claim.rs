@@ -4,7 +4,7 @@ use super::evidence;
 use super::form::{ANY, BEST, COMMON, Form, MODES, ORACLE, REGRET};
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
-use super::rate::{coverage, slope};
+use super::rate::{coverage, everywhere, slope};
 use super::setting::Setting;
 use super::value::{self, Located};
 use crate::experiment::{Claim, Elsewhere, Measure, Statement};
@@ -33,6 +33,7 @@ pub(super) fn claim(
         "regret" => regret(reader, entry, setting),
         "uncertainty" => super::uncertainty::claim(reader, entry, setting),
         "coverage" => coverage(reader, entry, setting),
+        "everywhere" => everywhere(reader, entry, setting),
         "slope" => slope(reader, entry, setting, draws.is_some()),
         name => {
             let measure = Measure::ALL
@@ -76,6 +77,7 @@ pub(crate) fn statements() -> Vec<&'static str> {
             "uncertainty",
             "slope",
             "coverage",
+            "everywhere",
         ])
         .collect()
 }
@@ -254,15 +256,8 @@ fn measured(
                 );
                 return None;
             }
-            let mut all = Vec::new();
-            for name in values.words("of") {
-                let found = setting.names.many(reader, name, &read.place("of"));
-                if found.is_empty() {
-                    return None;
-                }
-                all.extend(found);
-            }
-            known &= evidence::all_exact(reader, setting, &all, &read.place("of"));
+            let (all, exact) = all_exact(reader, &read, setting)?;
+            known &= exact;
             Statement::AgreesWithExact {
                 measure,
                 of: all,
@@ -290,6 +285,24 @@ fn measured(
         }
     };
     (demanded && known).then_some(statement)
+}
+
+/// The estimators that `of` names, and whether all have exact values.
+pub(super) fn all_exact(
+    reader: &mut Reader,
+    read: &Located,
+    setting: &Setting<'_>,
+) -> Option<(Vec<String>, bool)> {
+    let mut all = Vec::new();
+    for name in read.values.words("of") {
+        let found = setting.names.many(reader, name, &read.place("of"));
+        if found.is_empty() {
+            return None;
+        }
+        all.extend(found);
+    }
+    let exact = evidence::all_exact(reader, setting, &all, &read.place("of"));
+    Some((all, exact))
 }
 
 fn equals(

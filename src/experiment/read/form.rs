@@ -87,16 +87,7 @@ pub(crate) const ANY: &[Form] = &[
     },
     Form {
         key: "agrees-with",
-        parameters: &[
-            Parameter::optional(
-                "of",
-                Kind::Texts,
-                Absent::Unset,
-                "the estimators; all by default",
-            ),
-            Parameter::required("agrees-with", Kind::Choice(&["exact"]), "the exact value"),
-            CONFIDENCE,
-        ],
+        parameters: AGREES,
     },
 ];
 
@@ -175,6 +166,18 @@ pub(crate) const REGRET: &[Parameter] = &[
         Absent::Unset,
         "an estimator that is worse on more than half of the samples",
     ),
+    CONFIDENCE,
+];
+
+/// `everywhere`, and `agrees-with` of a measure.
+pub(crate) const AGREES: &[Parameter] = &[
+    Parameter::optional(
+        "of",
+        Kind::Texts,
+        Absent::Unset,
+        "the estimators; all by default",
+    ),
+    Parameter::required("agrees-with", Kind::Choice(&["exact"]), "the exact value"),
     CONFIDENCE,
 ];
 

@@ -1,8 +1,8 @@
-//! `slope` and `coverage`: how fast an error falls, and how often an interval is right.
+//! `slope`, `coverage` and `everywhere`: how fast an error falls, how often an interval is right, and whether theory is, place by place.
 
-use super::claim::{SIMULATED, settings};
+use super::claim::{SIMULATED, all_exact, settings};
 use super::evidence;
-use super::form::{COVERAGE, SLOPE};
+use super::form::{AGREES, COVERAGE, SLOPE};
 use super::node::{Entry, Reader};
 use super::problem::Problem;
 use super::setting::Setting;
@@ -106,5 +106,21 @@ pub(super) fn coverage(
         equals: values.number("equals")?,
         margin: values.number("margin")?,
         confidence: values.number("confidence")?,
+    })
+}
+
+/// Reads `everywhere = { .. }`.
+pub(super) fn everywhere(
+    reader: &mut Reader,
+    entry: Entry<'_>,
+    setting: &Setting<'_>,
+) -> Option<Statement> {
+    let what = "the claim `everywhere`";
+    let demanded = setting.demand(reader, &entry.key_span(), what, true, true);
+    let read = settings(reader, entry, AGREES)?;
+    let (of, exact) = all_exact(reader, &read, setting)?;
+    (demanded && exact).then_some(Statement::Everywhere {
+        of,
+        confidence: read.values.number("confidence")?,
     })
 }

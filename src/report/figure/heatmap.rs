@@ -10,7 +10,7 @@ use super::pixels::encoded;
 use super::scale::{Scale, Ticks};
 use super::style::{self, Stroke};
 use super::{Axis, Svg};
-use crate::report::text::fit;
+use crate::report::text::{BOLDER, fit};
 use plotters::style::RGBColor;
 
 /// One map.
@@ -229,7 +229,7 @@ impl HeatMaps {
         }
         let name = fit(
             &map.title,
-            1.07 * style::LABEL,
+            BOLDER * style::LABEL,
             layout.size.0 + layout.gap - 8.0,
         );
         canvas.text(
