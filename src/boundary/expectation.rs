@@ -102,7 +102,7 @@ pub fn corrected_moments_in_plane(
     }
     // nothing is corrected where neither the target nor any point that it feels is near a wall
     let twice = Bump {
-        width: bump.width.map(|h| 2.0 * h),
+        width: bump.width.map(|h| (1.0 + boundary.reaches(domain)) * h),
         ..*bump
     };
     if twice.is_clear(domain, x) {
@@ -116,9 +116,10 @@ pub fn corrected_moments_in_plane(
         ));
     }
     let gaussian = bump.shape == Shape::Gaussian;
+    let reaches = boundary.reaches(domain);
     let support = Support {
         centre: x,
-        reach: bump.reach(),
+        reach: bump.reach().map(|reach| reaches * reach),
         round: gaussian || bump.symmetry == Symmetry::Radial,
     };
     let [h, k] = bump.width;

@@ -105,6 +105,11 @@ pub trait Boundary<const D: usize>: Send + Sync {
     fn sees_beyond(&self) -> bool {
         false
     }
+
+    /// How many reaches of its kernel away from a target the points may lie that it feels.
+    fn reaches(&self, _domain: &Domain<D>) -> f64 {
+        1.0
+    }
 }
 
 /// Every treatment, in the order of the table above; to add one, add a line.

@@ -79,6 +79,22 @@ impl<const D: usize> Boundary<D> for Reflect {
         }))
     }
 
+    /// Across an inward corner an image lies nearer to the target than its point: up to two reaches, as it lies within one of an edge.
+    fn reaches(&self, domain: &Domain<D>) -> f64 {
+        let inward = |outline: &Polygon| {
+            let edges: Vec<[Point<2>; 2]> = outline.edges().collect();
+            (0..edges.len()).any(|i| {
+                let ([a, b], [_, c]) = (edges[i], edges[(i + 1) % edges.len()]);
+                (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0
+            })
+        };
+        if domain.outline().is_some_and(inward) {
+            3.0
+        } else {
+            1.0
+        }
+    }
+
     fn equivalent<'a>(
         &self,
         bump: &'a Bump<D>,

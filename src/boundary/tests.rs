@@ -405,3 +405,31 @@ fn expectations_of_corrected_estimates_are_those_of_many_samples() {
         }
     }
 }
+
+/// Beside an inward corner mirror images of points beyond it are felt from farther than a kernel reaches.
+#[test]
+fn mirrors_about_an_inward_corner_are_all_counted() {
+    let truth = crate::density::named_in_plane("l-shape").unwrap();
+    let domain = truth.domain();
+    let (low, high) = (domain.low(), domain.high());
+    let side = high[0] - low[0];
+    let bump = Bump {
+        shape: Shape::Epanechnikov,
+        symmetry: Symmetry::Radial,
+        width: [0.25 * side; 2],
+    };
+    let grid = Grid::new(low, high, [800, 800]).unwrap();
+    for share in [[0.48_f64, 0.69], [0.62, 0.46], [0.45, 0.45]] {
+        let x = [0, 1].map(|k: usize| share[k].mul_add(high[k] - low[k], low[k]));
+        let kernel = Reflect.equivalent(&bump, domain, x).unwrap();
+        let sum: f64 = grid.centres().map(|y| kernel(y) * truth.at(y)).sum();
+        let expected = sum * grid.cell_measure();
+        let bivariate = truth.bivariate().unwrap();
+        let moments = corrected_moments_in_plane(&Reflect, &bump, bivariate, 10.0, x).unwrap();
+        assert!(
+            (moments.mean / expected - 1.0).abs() < 3e-3,
+            "{share:?}: {} {expected}",
+            moments.mean
+        );
+    }
+}
