@@ -58,6 +58,7 @@ impl Field<2> for Fitted {
     }
 
     /// Targets of one column of narrow bins share its profile: O(2m columns) once, O(2m) a narrow bin.
+    #[expect(clippy::float_cmp, reason = "bin numbers are whole")]
     fn evaluate(&self, targets: Targets<'_, 2>) -> Evaluation {
         let numbers: Vec<[f64; 2]> = targets.places().map(|x| self.narrow.number(x)).collect();
         let mut order: Vec<usize> = (0..numbers.len()).collect();
@@ -87,6 +88,7 @@ impl Field<2> for Fitted {
 
 impl Fitted {
     /// Σᵢ (1 - |i|/m) ν over the columns about column `k`, for each row from `low` to `high` that holds data in any of them, in order.
+    #[expect(clippy::float_cmp, reason = "bin numbers are whole")]
     fn profile(&self, k: f64, low: f64, high: f64) -> Vec<(f64, f64)> {
         let mut rows: Vec<(f64, f64)> = shares(self.shifts)
             .flat_map(|(i, share)| {
