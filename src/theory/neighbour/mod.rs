@@ -57,6 +57,11 @@ pub fn neighbour_moments<const D: usize>(
     if k < 2 || draws < least {
         return None;
     }
+    // before the tables of discs are made in vain
+    let round = || truth.level().is_some() && Metric::new(truth.domain()).round();
+    if convention == Convention::MeanRadius && truth.univariate().is_none() && !round() {
+        return None;
+    }
     Places::new(truth, places)?.moments(k, convention, draws)
 }
 
