@@ -134,10 +134,6 @@ fn over_a_grid(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[
         count: CELLS,
     };
     let mut group = bench.benchmark_group(name);
-    group
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(1));
     for n in sizes() {
         let points = points(n);
         group.throughput(Throughput::Elements(n as u64));
@@ -162,10 +158,6 @@ fn over_a_grid(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[
 
 fn over_the_data(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: &[Contestant]) {
     let mut group = bench.benchmark_group(name);
-    group
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(1));
     for n in sizes() {
         let points = points(n);
         group.throughput(Throughput::Elements(n as u64));
@@ -187,7 +179,11 @@ fn over_the_data(bench: &mut Criterion<ProcessorTime>, name: &str, contestants: 
 
 criterion_group! {
     name = benches;
-    config = ProcessorTime::criterion();
+    // not in the groups, which would not listen to --warm-up-time and --measurement-time
+    config = ProcessorTime::criterion()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
     targets = grid, scattered
 }
 criterion_main!(benches);
