@@ -119,14 +119,19 @@ impl LocalError {
         Raster::new(*estimate.grid(), squared)
     }
 
-    /// The same for the estimate from windows of 2 `half` + 1 cells a side over a texture of counts or flux, the density (mass per area) in each, with shifts of about half of `half`
-    /// (at least one cell). Gives the estimate and ê² / M.
+    /// By how many cells windows of 2 `half` + 1 cells a side are shifted on a texture: about half of `half`, and at least one.
+    pub fn shift(half: usize) -> usize {
+        half.div_ceil(2).max(1)
+    }
+
+    /// The same for the estimate from windows of 2 `half` + 1 cells a side over a texture of counts or flux, the density (mass per area) in each, with [shifts](Self::shift) of about half of `half`.
+    /// Gives the estimate and ê² / M.
     pub fn of_texture(&self, texture: &SummedArea, half: usize) -> (Raster<2>, Raster<2>) {
         let area = texture.grid().cell_measure();
         let mean = texture.smoothed(half);
         let density = mean.values().iter().map(|count| count / area).collect();
         let estimate = Raster::new(*texture.grid(), density);
-        let squared = self.squared(&estimate, half.div_ceil(2).max(1));
+        let squared = self.squared(&estimate, Self::shift(half));
         (estimate, squared)
     }
 }

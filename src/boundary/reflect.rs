@@ -79,19 +79,23 @@ impl<const D: usize> Boundary<D> for Reflect {
         }))
     }
 
-    /// Across an inward corner an image lies nearer to the target than its point: up to two reaches, as it lies within one of an edge.
+    /// On boxes and convex polygons an image lies farther from the target than its point. Across an inward corner it may be nearer: an image lies up to two reaches from its point, as
+    /// that lies within one of the edge, and up to four where it is mirrored in an outward right corner, within two of it; and an image is felt from one reach.
     fn reaches(&self, domain: &Domain<D>) -> f64 {
-        let inward = |outline: &Polygon| {
-            let edges: Vec<[Point<2>; 2]> = outline.edges().collect();
-            (0..edges.len()).any(|i| {
-                let ([a, b], [_, c]) = (edges[i], edges[(i + 1) % edges.len()]);
-                (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0
-            })
+        let Some(outline) = domain.outline() else {
+            return 1.0;
         };
-        if domain.outline().is_some_and(inward) {
-            3.0
-        } else {
+        let edges: Vec<[Point<2>; 2]> = outline.edges().collect();
+        let corners = || (0..edges.len()).map(|i| (edges[i], edges[(i + 1) % edges.len()]));
+        let inward = |([a, b], [_, c]): ([Point<2>; 2], [Point<2>; 2])| {
+            (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0
+        };
+        if !corners().any(inward) {
             1.0
+        } else if corners().any(|(before, after)| is_right(before, after)) {
+            5.0
+        } else {
+            3.0
         }
     }
 
@@ -191,6 +195,13 @@ fn on_axis([low, high]: [f64; 2], reach: f64, x: f64) -> Vec<f64> {
     images
 }
 
+/// Whether the corner between two edges that follow each other is an outward one of a right angle.
+fn is_right([a, b]: [Point<2>; 2], [_, c]: [Point<2>; 2]) -> bool {
+    let (d, e) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+    let cosine = (d[0] * e[0] + d[1] * e[1]) / (d[0].hypot(d[1]) * e[0].hypot(e[1]));
+    d[0] * e[1] - d[1] * e[0] > 0.0 && cosine.abs() < 1e-9
+}
+
 /// Images in the edges onto which the point falls square, and in right-angled corners.
 fn in_outline(outline: &Polygon, x: Point<2>, reach: f64, mut give: impl FnMut(Point<2>)) {
     let mut outside = |image: Point<2>| {
@@ -210,10 +221,7 @@ fn in_outline(outline: &Polygon, x: Point<2>, reach: f64, mut give: impl FnMut(P
         }
         // the corner at b
         let next = edges[(i + 1) % edges.len()];
-        let e = [next[1][0] - b[0], next[1][1] - b[1]];
-        let cosine = (d[0] * e[0] + d[1] * e[1]) / (square.sqrt() * e[0].hypot(e[1]));
-        let convex = d[0] * e[1] - d[1] * e[0] > 0.0;
-        if convex && cosine.abs() < 1e-9 && (x[0] - b[0]).hypot(x[1] - b[1]) < 2.0 * reach {
+        if is_right([*a, *b], next) && (x[0] - b[0]).hypot(x[1] - b[1]) < 2.0 * reach {
             outside([2.0 * b[0] - x[0], 2.0 * b[1] - x[1]]);
         }
     }

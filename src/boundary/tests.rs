@@ -406,30 +406,62 @@ fn expectations_of_corrected_estimates_are_those_of_many_samples() {
     }
 }
 
-/// Beside an inward corner mirror images of points beyond it are felt from farther than a kernel reaches.
+/// Beside an inward corner mirror images of points beyond it are felt from farther than a kernel reaches; across the gap of a U, in the outward corners of the other arm, from farther still.
 #[test]
 fn mirrors_about_an_inward_corner_are_all_counted() {
-    let truth = crate::density::named_in_plane("l-shape").unwrap();
-    let domain = truth.domain();
-    let (low, high) = (domain.low(), domain.high());
-    let side = high[0] - low[0];
-    let bump = Bump {
-        shape: Shape::Epanechnikov,
-        symmetry: Symmetry::Radial,
-        width: [0.25 * side; 2],
-    };
-    let grid = Grid::new(low, high, [800, 800]).unwrap();
-    for share in [[0.48_f64, 0.69], [0.62, 0.46], [0.45, 0.45]] {
-        let x = [0, 1].map(|k: usize| share[k].mul_add(high[k] - low[k], low[k]));
+    let l = [
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+    ];
+    let u = [
+        [0.0, 0.0],
+        [3.0, 0.0],
+        [3.0, 2.0],
+        [1.7, 2.0],
+        [1.7, 0.6],
+        [1.3, 0.6],
+        [1.3, 2.0],
+        [0.0, 2.0],
+    ];
+    let cases: [(&[Point<2>], f64, Point<2>); 4] = [
+        (&l, 0.5, [0.96, 1.38]),
+        (&l, 0.5, [1.24, 0.92]),
+        (&l, 0.5, [0.9, 0.9]),
+        (&u, 0.4, [2.22, 1.97]),
+    ];
+    for (corners, reach, x) in cases {
+        let outline = crate::space::Polygon::new(corners.to_vec()).unwrap();
+        let truth = crate::density::Room::new(outline, [0.1, 0.2]).unwrap();
+        let truth: &dyn crate::density::Density<2> = &truth;
+        let domain = truth.domain();
+        let bump = Bump {
+            shape: Shape::Epanechnikov,
+            symmetry: Symmetry::Radial,
+            width: [reach; 2],
+        };
+        let grid = Grid::new(domain.low(), domain.high(), [800, 800]).unwrap();
         let kernel = Reflect.equivalent(&bump, domain, x).unwrap();
-        let sum: f64 = grid.centres().map(|y| kernel(y) * truth.at(y)).sum();
-        let expected = sum * grid.cell_measure();
+        let felt = |farthest: f64| {
+            let near = |y: &Point<2>| (y[0] - x[0]).hypot(y[1] - x[1]) < farthest;
+            let terms = grid.centres().filter(near).map(|y| kernel(y) * truth.at(y));
+            terms.sum::<f64>() * grid.cell_measure()
+        };
+        let expected = felt(f64::INFINITY);
         let bivariate = truth.bivariate().unwrap();
         let moments = corrected_moments_in_plane(&Reflect, &bump, bivariate, 10.0, x).unwrap();
         assert!(
             (moments.mean / expected - 1.0).abs() < 3e-3,
-            "{share:?}: {} {expected}",
+            "{x:?}: {} {expected}",
             moments.mean
         );
+        if corners.len() == 8 {
+            // the planted fault: three reaches are enough for edges, not for corners
+            let fewer = felt(3.0 * reach);
+            assert!(fewer < 0.99 * expected, "{fewer} {expected}");
+        }
     }
 }

@@ -466,11 +466,12 @@ impl fmt::Display for Statement {
                     place.join(", ")
                 )
             }
-            Self::BestIsNear { of, within, .. } => write!(
-                f,
-                "the best of {of} lies within {} % of the exact optimum",
-                significant(100.0 * within, 3)
-            ),
+            Self::BestIsNear { of, swept, within } => {
+                let within = significant(100.0 * within, 3);
+                let best = ["exact optimum, swept or not", "same sweep's exact best"];
+                let best = best[usize::from(*swept)];
+                write!(f, "the best of {of} lies within {within} % of the {best}")
+            }
             Self::Oracle {
                 quantity,
                 kernel,

@@ -6,6 +6,9 @@ use crate::space::{Grid, Raster, SummedArea};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
+/// How many sizes are tried at a time: a fixed number, so that what is held of each does not grow with the sizes.
+const TOGETHER: usize = 4;
+
 /// How windows are tried.
 pub(super) struct Search {
     /// Half the sides, ascending, in cells.
@@ -44,7 +47,29 @@ fn half_of(radius: f64, texel: f64) -> usize {
     (0.5 * (side - 1.0)).round().max(0.0) as usize
 }
 
+/// What the search has come to at one cell.
+#[derive(Clone, Copy, Default)]
+struct Progress {
+    /// The size of least ê² so far; as long as nothing is known, the last.
+    best: usize,
+    /// Its ê²; 0 as long as nothing is known.
+    least: f64,
+    ended: bool,
+}
+
 impl Search {
+    /// The bytes that [`best`](Self::best) needs at most for each cell.
+    pub fn bytes(&self) -> u64 {
+        let at_once = TOGETHER
+            .min(self.halves.len())
+            .min(rayon::current_num_threads());
+        // the means, the estimate, its differences and their numbers, the tables of both, ê²
+        let size = 7 * size_of::<f64>();
+        let held = TOGETHER.min(self.halves.len()) * size_of::<f64>();
+        let kept = 2 * size_of::<f64>() + size_of::<Progress>();
+        (at_once * size + held + kept) as u64
+    }
+
     /// The radius of the best window at each cell, in the unit of the axes, and its ê. O(cells × sizes).
     pub fn best(&self, sample: &Sample<2>, grid: Grid<2>) -> (Raster<2>, Raster<2>) {
         let texture = SummedArea::of_points(grid, sample.points(), |i| sample.weight(i));
@@ -55,41 +80,62 @@ impl Search {
             directions: Directions::Eight,
             region: self.region,
         };
-        let errors: Vec<Raster<2>> = self
-            .halves
-            .par_iter()
-            .map(|&half| local.of_texture(&texture, half).1)
-            .collect();
-        let texel = grid.cell_measure();
-        let [rows, columns] = grid.cells();
-        let (mut radii, mut least) = (Vec::new(), Vec::new());
-        for row in 0..rows {
-            for column in 0..columns {
-                let cell = row * columns + column;
-                let held = |half: usize| counts.window([row, column], half).sum;
-                let size = self.choose(|size| errors[size].values()[cell], held);
-                radii.push(radius(self.halves[size], texel));
-                least.push(errors[size].values()[cell].sqrt());
+        let columns = grid.cells()[1];
+        let mut progress = vec![Progress::default(); grid.len()];
+        let sizes: Vec<usize> = (0..self.halves.len()).collect();
+        for sizes in sizes.chunks(TOGETHER) {
+            let errors: Vec<Raster<2>> = sizes
+                .par_iter()
+                .map(|&size| local.of_texture(&texture, self.halves[size]).1)
+                .collect();
+            for (cell, progress) in progress.iter_mut().enumerate() {
+                let held = |half: usize| counts.window([cell / columns, cell % columns], half).sum;
+                for (&size, errors) in sizes.iter().zip(&errors) {
+                    self.offer(progress, size, errors.values()[cell], held);
+                }
             }
         }
-        (Raster::new(grid, radii), Raster::new(grid, least))
+        let texel = grid.cell_measure();
+        let radii = progress.iter().map(|p| radius(self.halves[p.best], texel));
+        let least = progress.iter().map(|p| p.least.sqrt());
+        (
+            Raster::new(grid, radii.collect()),
+            Raster::new(grid, least.collect()),
+        )
     }
 
-    /// The size of least ê², as far as the search goes.
-    fn choose(&self, squared: impl Fn(usize) -> f64, held: impl Fn(usize) -> f64) -> usize {
-        let (mut best, mut least) = (0, squared(0));
-        for size in 1..self.halves.len() {
-            if self.cap.is_some_and(|cap| held(self.halves[size]) > cap) {
-                break;
-            }
-            let here = squared(size);
-            if here < least {
-                (best, least) = (size, here);
-            } else if self.stop.is_some_and(|stop| here > stop * stop * least) {
-                break;
-            }
+    /// Looks at the next size at a cell, whose ê² is `squared`, where a window of some half-width holds so many points.
+    ///
+    /// No error is seen where there are no points as far as windows are shifted, nor where there is nothing to compare with. That says nothing about the
+    /// error, so such sizes are passed over; where all are, the last remains.
+    fn offer(
+        &self,
+        progress: &mut Progress,
+        size: usize,
+        squared: f64,
+        held: impl Fn(usize) -> f64,
+    ) {
+        if progress.ended {
+            return;
         }
-        best
+        let half = self.halves[size];
+        if size > 0 && self.cap.is_some_and(|cap| held(half) > cap) {
+            progress.ended = true;
+            return;
+        }
+        // rounding leaves traces of what lies elsewhere; counts are exact
+        let seen = half + LocalError::shift(half) + self.region;
+        let known = squared > 0.0 && held(seen) > 0.0;
+        let least = progress.least;
+        if !known {
+            if least == 0.0 {
+                progress.best = size;
+            }
+        } else if least == 0.0 || squared < least {
+            (progress.best, progress.least) = (size, squared);
+        } else if self.stop.is_some_and(|stop| squared > stop * stop * least) {
+            progress.ended = true;
+        }
     }
 }
 
@@ -144,21 +190,63 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_upward_search_ends_at_the_wall_and_the_least_of_all_goes_over_it() {
-        let errors = [4.0, 2.0, 1.0, 3.0, 9.0, 0.1];
-        let search = |stop, cap| Search {
-            halves: vec![1, 2, 3, 4, 5, 6],
+    /// The size chosen at a cell where windows of each size have these ê².
+    fn chosen(errors: &[f64], stop: Option<f64>, cap: Option<f64>) -> usize {
+        let search = Search {
+            halves: (1..=errors.len()).collect(),
             region: 0,
             stop,
             cap,
         };
-        let held = |half: usize| (half * half) as f64;
-        let chosen = |search: Search| search.choose(|size| errors[size], held);
-        assert_eq!(chosen(search(Some(2.0), None)), 2);
-        assert_eq!(chosen(search(None, None)), 5);
-        assert_eq!(chosen(search(None, Some(5.0))), 1);
-        assert_eq!(chosen(search(None, Some(0.5))), 0);
-        assert_eq!(chosen(search(Some(10.0), None)), 5);
+        let mut progress = Progress::default();
+        for (size, squared) in errors.iter().enumerate() {
+            search.offer(&mut progress, size, *squared, |half| (half * half) as f64);
+        }
+        progress.best
+    }
+
+    #[test]
+    fn the_upward_search_ends_at_the_wall_and_the_least_of_all_goes_over_it() {
+        let chosen = |stop, cap| chosen(&[4.0, 2.0, 1.0, 3.0, 9.0, 0.1], stop, cap);
+        // 3 is within 2² times 1 and 9 is not
+        assert_eq!(chosen(Some(2.0), None), 2);
+        assert_eq!(chosen(None, None), 5);
+        assert_eq!(chosen(None, Some(5.0)), 1);
+        assert_eq!(chosen(None, Some(0.5)), 0);
+        assert_eq!(chosen(Some(10.0), None), 5);
+    }
+
+    #[test]
+    fn no_error_seen_is_no_small_error() {
+        // nothing near, then something, then nothing to compare with
+        let errors = [0.0, 0.0, 4.0, 1.0, 9.0, 0.0];
+        assert_eq!(chosen(&errors, Some(1.5), None), 3);
+        assert_eq!(chosen(&errors, None, None), 3);
+        assert_eq!(chosen(&[0.0; 4], Some(1.5), None), 3);
+        assert_eq!(chosen(&[0.0; 4], Some(1.5), Some(4.0)), 1);
+    }
+
+    /// Far from all points the window is not the smallest, also where weights leave a rounding error in the sums there.
+    #[test]
+    fn where_there_are_no_points_windows_are_wide() {
+        let spot =
+            |i: usize| [0, 1].map(|k| 0.04 * ((0.618 + 0.137 * k as f64) * i as f64).fract());
+        let points: Vec<[f64; 2]> = (0..900).map(spot).collect();
+        let weights: Vec<f64> = (0..900).map(|i| 0.1 + f64::from(i % 7) / 3.0).collect();
+        let domain = crate::space::Domain::unit();
+        let weights = crate::sample::Weights::Each(weights.into());
+        let sample = Sample::new(points, weights, domain).expect("legal");
+        let grid = Grid::new([0.0; 2], [1.0; 2], [64; 2]).expect("legal");
+        let search = Search {
+            halves: ladder(15, 12),
+            region: 6,
+            stop: Some(1.5),
+            cap: None,
+        };
+        let (radii, errors) = search.best(&sample, grid);
+        let far = radii.values()[grid.len() - 1];
+        assert_eq!(half_of(far, grid.cell_measure()), 15);
+        assert!(errors.values()[grid.len() - 1] <= 0.0);
+        assert!(half_of(radii.values()[0], grid.cell_measure()) < 15);
     }
 }

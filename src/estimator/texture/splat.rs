@@ -6,27 +6,48 @@ use crate::sample::Sample;
 use crate::space::Raster;
 use rayon::prelude::*;
 
-/// Points in one piece of work: a fixed number, so that sums do not depend on threads.
+/// Points below which a further piece of work is not worth its memory.
 const BLOCK: usize = 1 << 16;
+
+/// The most pieces of work. Each has a texture of its own; their number depends on the points alone, so that sums do not depend on threads.
+const LANES: usize = 8;
+
+/// Several weights of the same points on the texture.
+pub(super) struct Splat {
+    /// The densities, one for each set of weights.
+    pub layers: Vec<Raster<2>>,
+    /// How many cells lay under the kernels of all points together: what was written for each set of weights. 4/π times as many were looked at.
+    #[cfg_attr(not(test), allow(dead_code))]
+    pub touched: u64,
+}
+
+/// The pieces in which so many points are worked on.
+fn lanes(points: usize) -> usize {
+    points.div_ceil(BLOCK).clamp(1, LANES)
+}
+
+/// The bytes that [`splat`] needs for each cell.
+pub(super) fn bytes(points: usize, sets: usize) -> u64 {
+    ((lanes(points) + 1) * size_of::<f64>()) as u64 * sets as u64
+}
 
 /// The densities on the texture of several weights of the same points: each point becomes w (1 - (r/R)²) on the cells whose centres lie within the radius R at its place, rescaled so
 /// that the cells hold exactly w. A point whose disc holds no centre, or that lies outside of the texture, goes to the nearest cell.
-pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Vec<Raster<2>> {
+pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Splat {
     let grid = *radii.grid();
     let points = samples[0].points();
-    let blocks: Vec<Vec<f64>> = (0..points.len().div_ceil(BLOCK))
+    let lanes = lanes(points.len());
+    let each = points.len().div_ceil(lanes);
+    let lanes: Vec<(Vec<f64>, u64)> = (0..lanes)
         .into_par_iter()
-        .map(|block| {
+        .map(|lane| {
             let mut sums = vec![0.0; samples.len() * grid.len()];
-            let mut under = Vec::new();
-            for i in block * BLOCK..((block + 1) * BLOCK).min(points.len()) {
+            let (mut under, mut touched) = (Vec::new(), 0);
+            for i in lane * each..((lane + 1) * each).min(points.len()) {
                 footprint(radii, points[i], &mut under);
-                let volume = under
-                    .iter()
-                    .map(|(_, height)| height)
-                    .copied()
-                    .collect::<Sum>();
-                let volume = volume.value();
+                touched += under.len() as u64;
+                let heights = under.iter().map(|(_, height)| *height);
+                let volume = heights.collect::<Sum>().value();
                 for (number, sample) in samples.iter().enumerate() {
                     let weight = sample.weight(i);
                     if weight > 0.0 {
@@ -37,19 +58,23 @@ pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Vec<Raster<2>> 
                     }
                 }
             }
-            sums
+            (sums, touched)
         })
         .collect();
     let area = grid.cell_measure();
-    (0..samples.len())
-        .map(|number| {
-            let values = (0..grid.len()).map(|cell| {
-                let parts = blocks.iter().map(|sums| sums[number * grid.len() + cell]);
-                parts.collect::<Sum>().value() / area
-            });
-            Raster::new(grid, values.collect())
-        })
-        .collect()
+    let layer = |number: usize| {
+        let values = (0..grid.len()).map(|cell| {
+            let parts = lanes
+                .iter()
+                .map(|(sums, _)| sums[number * grid.len() + cell]);
+            parts.collect::<Sum>().value() / area
+        });
+        Raster::new(grid, values.collect())
+    };
+    Splat {
+        layers: (0..samples.len()).map(layer).collect(),
+        touched: lanes.iter().map(|(_, touched)| touched).sum(),
+    }
 }
 
 /// The cells under the kernel of a point and its height at their centres.
@@ -92,29 +117,37 @@ fn footprint(radii: &Raster<2>, x: [f64; 2], under: &mut Vec<(usize, f64)>) {
 mod tests {
     use super::*;
     use crate::random::{open_unit, stream};
-    use crate::space::Grid;
+    use crate::space::{Domain, Grid};
 
-    /// Cells touched grow as the points do: slope 1 in logarithms, on counts of what the loop above goes through.
+    /// Under a disc of radius R lie πR² / (area of a cell) centres in the mean over where it is put: the mean over points is that within half a percent, on what `splat` goes
+    /// through. The number in one disc of six cells' radius varies by some 2 %, in the mean of 3000 by 0.04 %; a radius that is 1 % too large is seen.
     #[test]
     fn a_splat_costs_its_points_times_their_footprints() {
         let grid = Grid::new([0.0; 2], [1.0; 2], [64; 2]).expect("legal");
-        let radii = Raster::new(
-            grid,
-            (0..grid.len()).map(|i| 0.02 + 1e-5 * i as f64).collect(),
-        );
-        let touched = |n: usize| {
+        let relative = |n: usize, radius: f64, expected: f64| {
             let mut random = stream(56, "splat", n as u64);
-            let mut under = Vec::new();
-            let cells: usize = (0..n)
-                .map(|_| {
-                    footprint(&radii, [(); 2].map(|()| open_unit(&mut random)), &mut under);
-                    under.len()
-                })
-                .sum();
-            cells as f64
+            // away from the sides, where discs are cut
+            let points = (0..n).map(|_| [(); 2].map(|()| 0.2 + 0.6 * open_unit(&mut random)));
+            let sample = Sample::equal(points.collect(), Domain::unit()).expect("legal");
+            let radii = Raster::new(grid, vec![radius; grid.len()]);
+            let touched = splat(&[sample], &radii).touched as f64;
+            let area = std::f64::consts::PI * expected * expected;
+            touched / (n as f64 * area / grid.cell_measure()) - 1.0
         };
-        let (few, many) = (touched(3_000), touched(300_000));
-        let slope = (many / few).ln() / 100.0_f64.ln();
-        assert!((slope - 1.0).abs() < 0.02, "{slope}");
+        // in one lane and in two
+        for n in [3_000, 70_000] {
+            let off = relative(n, 0.1, 0.1);
+            assert!(off.abs() < 0.005, "{n}: {off}");
+        }
+        let planted = relative(3_000, 0.101, 0.1);
+        assert!(planted > 0.005, "{planted}");
+    }
+
+    /// However many points there are, no more than nine textures are held for each set of weights.
+    #[test]
+    fn memory_does_not_grow_with_the_points() {
+        assert_eq!(bytes(1, 1), 16);
+        assert_eq!(bytes(10_000_000, 4), 4 * 72);
+        assert_eq!(bytes(usize::MAX, 4), 4 * 72);
     }
 }

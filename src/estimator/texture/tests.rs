@@ -184,3 +184,45 @@ fn filters_without_a_middle_are_refused() {
     };
     assert!(VariableKernel::build(&values, &context).is_err_and(|e| e.parameter == "median"));
 }
+
+/// What would not fit is refused before anything is held, and the reason says what to change.
+#[test]
+fn a_texture_that_does_not_fit_is_refused() {
+    let large = kernel(&[("cells", Value::Count(4096))]);
+    // 10⁷ points in three channels: not a texture for each 65 536 of them
+    assert!(large.bytes(10_000_000, 4) < 7 << 30);
+    if crate::memory::available() == u64::MAX {
+        return;
+    }
+    let channels = vec![vec![1.0; 2]; 4096];
+    let points = vec![[0.2, 0.2], [0.7, 0.4]];
+    let sample = Sample::with_channels(points, channels, Domain::unit()).unwrap();
+    let Err(FitError::TooLarge(reason)) = large.fit(&sample).map(|_| ()) else {
+        panic!("4096 channels of 4096² cells, twice, are a tebibyte")
+    };
+    for part in ["4096 × 4096 cells", "4096 channels", "fewer `cells`"] {
+        assert!(reason.contains(part), "{reason}");
+    }
+}
+
+/// Windows and kernels know rectangles; along the other edges of a polygon half of each would lie outside.
+#[test]
+fn polygons_are_refused_where_mass_would_be_lost() {
+    let triangle = Domain::polygon(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).unwrap();
+    let inside = points(4000, 0.0).into_iter().filter(|x| x[0] + x[1] < 1.0);
+    let sample = Sample::equal(inside.collect(), triangle).unwrap();
+    let fit = |estimate: &str| {
+        let kernel = kernel(&[("estimate", word(estimate)), ("cells", Value::Count(32))]);
+        kernel.fit(&sample)
+    };
+    for estimate in ["splat", "window"] {
+        let refused = fit(estimate).map(|_| ());
+        assert!(
+            matches!(&refused, Err(FitError::Degenerate(reason)) if reason.contains("polygon")),
+            "{estimate}: {refused:?}"
+        );
+    }
+    // even light of density 2, away from the edges
+    let value = fit("nearest-neighbours").unwrap().at([0.3, 0.3]);
+    assert!((value / 2.0 - 1.0).abs() < 0.35, "{value}");
+}
