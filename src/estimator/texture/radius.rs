@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn where_there_are_no_points_windows_are_wide() {
         let spot =
-            |i: usize| [0, 1].map(|k| 0.04 * ((0.618 + 0.137 * k as f64) * i as f64).fract());
+            |i: usize| [0, 1].map(|k| 0.04 * ((0.618 + 0.137 * f64::from(k)) * i as f64).fract());
         let points: Vec<[f64; 2]> = (0..900).map(spot).collect();
         let weights: Vec<f64> = (0..900).map(|i| 0.1 + f64::from(i % 7) / 3.0).collect();
         let domain = crate::space::Domain::unit();
