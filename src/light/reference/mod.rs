@@ -5,6 +5,7 @@
 //! | `contour` | what a place receives from a polygon, in closed form |
 //! | `form_factor` | closed forms for rectangles: what numerical form factors are judged by |
 //! | `patch`, `transfer` | surfaces cut into patches, and the light they exchange, with what stands between |
+//! | `cover` | what of a patch is covered, and whether the rest loses light to backs |
 //! | `system` | the balance of that light, by elimination or sweeps |
 //! | `direct` | light straight from lamps |
 //! | `radiosity` | irradiance anywhere in a room of flat diffuse surfaces, on two levels |
@@ -15,6 +16,7 @@
 //! Nothing here draws a photon, and the walk of the photons uses nothing of it.
 
 pub mod contour;
+mod cover;
 pub mod direct;
 pub mod discrete;
 pub mod form_factor;
@@ -27,6 +29,7 @@ mod tests;
 mod transfer;
 mod truth;
 
+pub use cover::Cover;
 pub use direct::Lamps;
 pub use patch::{Patch, patches};
 pub use path::{Measured, PathTracer};

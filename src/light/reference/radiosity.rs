@@ -7,13 +7,14 @@
 //! # References
 //! Goral et al. 1984; Lischinski, Tampieri & Greenberg 1993 (a global pass and a local one that gathers from it).
 
+use super::cover::{Cover, cover};
 use super::patch::{Patch, patches};
 use super::system::Unbalanced;
 use super::transfer::form_factors;
 use crate::light::cie;
 use crate::light::scene::{Scene, Shape, Surface};
 use crate::light::spectrum::Colour;
-use crate::light::vector::{Ray, Vector};
+use crate::light::vector::Vector;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -120,13 +121,11 @@ impl Level {
             return Err(RadiosityError::Many(patches.len()));
         }
         let mut factors = form_factors(scene, &patches);
-        if scene.open {
-            let free: Vec<f64> = patches.par_iter().map(|patch| free(scene, patch)).collect();
-            factors.uncover(&free);
-        } else {
-            // all light in a closed room comes from somewhere
-            factors.close();
-        }
+        let covers: Vec<Cover> = patches
+            .par_iter()
+            .map(|patch| cover(scene, patch))
+            .collect();
+        factors.uncover(&covers);
         let surface = |patch: &Patch| &scene.surfaces()[patch.surface];
         let mut radiosity = vec![[0.0; 3]; patches.len()];
         for channel in channels(scene) {
@@ -238,20 +237,6 @@ fn channels(scene: &Scene) -> Vec<Channel> {
             }
         })
         .collect()
-}
-
-/// The share of a patch on which nothing stands: from places under a solid a ray along the normal meets a back.
-fn free(scene: &Scene, patch: &Patch) -> f64 {
-    let parts: Vec<Patch> = patch.quarters().iter().flat_map(Patch::quarters).collect();
-    let open = parts.iter().filter(|part| {
-        let ray = Ray {
-            origin: part.centre(),
-            direction: patch.normal,
-            leaving: Some(patch.primitive),
-        };
-        scene.hit(&ray).is_none_or(|hit| hit.front)
-    });
-    open.count() as f64 / parts.len() as f64
 }
 
 /// How often a patch that emits is quartered where it is seen in part.

@@ -3,6 +3,7 @@
 //! # References
 //! Goral, Torrance, Greenberg & Battaile 1984; Cohen & Greenberg 1985 (Gauss-Seidel).
 
+use super::cover::Cover;
 use nalgebra::{DMatrix, DVector};
 
 /// The shares F: row i holds what part of the light that leaves patch i arrives at each patch. Rows sum to 1 where nothing is lost.
@@ -21,9 +22,6 @@ pub struct Unbalanced;
 
 /// Patches up to which the system is solved by elimination: n³/3 operations, a fifth of a second. Above, sweeps of n² operations each win.
 const ELIMINATED: usize = 600;
-
-/// Patches that see no more than this share of what is around them are taken for covered.
-const COVERED: f64 = 0.02;
 
 impl FormFactors {
     /// From rows one after another.
@@ -45,27 +43,28 @@ impl FormFactors {
         &self.shares[from * self.count..(from + 1) * self.count]
     }
 
-    /// Makes the shares of each patch sum to 1, as they do in a closed room: what rows miss by quadrature, and what they miss because a patch is covered
-    /// in part by something that stands on it. What is then solved for is the radiosity of the part that is not covered, which is what other patches see. A
-    /// patch that is all but covered is left as it is.
-    pub fn close(&mut self) {
-        for i in 0..self.count {
+    /// Makes the shares of each patch those of the part of it that is not covered, which is what other patches see: what stands on a patch hides the
+    /// rest of it. Where that part sees fronts only they sum to 1, which takes away what quadrature misses; where it sees backs, which are black, or the
+    /// open, what goes there stays lost, and they sum to 1 at most. A patch that is covered altogether is left as it is.
+    ///
+    /// # Panics
+    /// If there is not one [`Cover`] for each patch.
+    pub fn uncover(&mut self, covers: &[Cover]) {
+        assert_eq!(covers.len(), self.count, "one cover for each patch");
+        for (i, cover) in covers.iter().enumerate() {
+            if cover.free <= 0.0 {
+                continue;
+            }
             let row = &mut self.shares[i * self.count..(i + 1) * self.count];
             let sum: f64 = row.iter().sum();
-            if sum > COVERED {
+            let whole = if cover.enclosed {
+                sum
+            } else {
+                sum.max(cover.free)
+            };
+            if whole > 0.0 {
                 for share in row {
-                    *share /= sum;
-                }
-            }
-        }
-    }
-
-    /// Does the same where the room is open and only the `free` share of each patch is known.
-    pub fn uncover(&mut self, free: &[f64]) {
-        for (i, &free) in free.iter().enumerate() {
-            if free > COVERED {
-                for share in &mut self.shares[i * self.count..(i + 1) * self.count] {
-                    *share /= free;
+                    *share /= whole;
                 }
             }
         }

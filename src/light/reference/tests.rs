@@ -1,5 +1,6 @@
 //! The parts of the reference against each other and against closed forms.
 
+use super::cover::cover;
 use super::form_factor::{parallel, perpendicular};
 use super::{Lamps, Measured, PathTracer, Radiosity, Reference, form_factors, patches};
 use crate::light::emission::Emission;
@@ -241,6 +242,71 @@ fn the_balance_of_light_is_what_paths_find() {
         }
     }
     assert!(worst < 4.0, "{worst} standard errors");
+}
+
+/// The irradiance at places on surfaces, by balance, in per cent of what paths find: the mean of the three channels, and its standard error.
+fn off(room: &Arc<Scene>, patches: usize, places: &[(usize, [f64; 2])]) -> Vec<[f64; 2]> {
+    let solved = Radiosity::solve(room, patches).expect("a room");
+    let tracer = PathTracer::new(room).expect("three channels");
+    let at = |&(surface, chart): &(usize, [f64; 2])| {
+        let shape = &room.surfaces()[surface].shape;
+        let place = shape.place(0, chart[0], chart[1]);
+        let (normal, own) = (shape.normal(0, place), room.primitive(surface, 0));
+        let mut random = random::stream(3, "test", surface as u64);
+        let traced = Measured::of(PATHS, || {
+            let light = tracer.irradiance(place, normal, own, &mut random);
+            [light.iter().sum::<f64>() / 3.0, 0.0, 0.0]
+        });
+        let found = solved.irradiance(place, normal).irradiance;
+        let found = found.iter().sum::<f64>() / 3.0;
+        [
+            found / traced.mean[0] - 1.0,
+            traced.error[0] / traced.mean[0],
+        ]
+        .map(|v| 100.0 * v)
+    };
+    places.iter().map(at).collect()
+}
+
+const PATHS: usize = 20_000;
+
+/// A lamp of 0.8 × 0.8 in the middle of a room, black on the back that the ceiling and the walls look at: what they send there is lost, and is not what
+/// quadrature has missed.
+#[test]
+fn light_that_goes_to_a_back_is_lost() {
+    let mut surfaces = cube([0.8; 3], 0.0, 0.0);
+    let corners = [
+        [0.1, 0.1, 0.5],
+        [0.1, 0.9, 0.5],
+        [0.9, 0.9, 0.5],
+        [0.9, 0.1, 0.5],
+    ];
+    surfaces.push(quad("lamp", corners, [0.5; 3], 1.0));
+    let room = scene(surfaces);
+    for [off, error] in off(&room, 216, &[(1, [0.5, 0.5]), (2, [0.5, 0.9])]) {
+        assert!(off.abs() < 4.0 * error + 1.5, "{off} % ± {error} %");
+    }
+}
+
+/// A panel over five eighths of the floor, far above it and all but touching it: only then are the patches under it covered, one column of them in half.
+#[test]
+fn what_hangs_above_a_patch_does_not_stand_on_it() {
+    let floor = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+    let panel = |z| [[0., 0., z], [0.625, 0., z], [0.625, 1., z], [0., 1., z]];
+    for (height, free) in [(0.6, [1.0; 4]), (1e-4, [0.0, 0.0, 0.5, 1.0])] {
+        let surfaces = vec![
+            quad("floor", floor, [0.8; 3], 0.0),
+            quad("panel", panel(height), [0.8; 3], 1.0),
+        ];
+        let open = Scene::new(surfaces, Colour::Rgb, true).expect("a scene");
+        let floor = patches(&open, 0.25).into_iter().filter(|p| p.surface == 0);
+        for patch in floor {
+            let column = (4.0 * patch.centre().x) as usize;
+            let found = cover(&open, &patch);
+            assert_eq!(found.free.to_bits(), f64::to_bits(free[column]), "{height}");
+            assert!(!found.enclosed || found.free <= 0.0);
+        }
+    }
 }
 
 #[test]
