@@ -38,6 +38,8 @@ fn two_columns_are_the_plane() {
         // narrower than a box of the same smoothness would be, by the ratio of the canonical scales
         let ratio = radial[axis] / product[axis];
         assert!((0.9..1.4).contains(&ratio), "{product:?} {radial:?}");
+        // and not one symmetry for both
+        assert!((ratio - 1.0).abs() > 1e-6, "{product:?} {radial:?}");
     }
     // two clusters: far below the normal scale
     assert!(product[0] < 0.45 * 2.4 && product[0] > 0.1, "{product:?}");

@@ -39,24 +39,26 @@ pub(super) fn everywhere<const D: usize>(
                 continue;
             }
             let mean = outcome.tally.mean()[cell] + truth[cell];
-            let off = (mean - expected).abs();
-            if spread <= ROUNDING * peak {
-                if off > ROUNDING * peak {
-                    let place = place(group, cell);
-                    let (name, mean) = (&outcome.name, short(mean));
-                    let what = format!("{name} at {place}: {mean} without spread");
-                    return Some((false, format!("{what}, not {}", short(expected))));
+            match look((mean, expected, spread / root), ROUNDING * peak) {
+                Look::Equal => {}
+                Look::Skew => left_out += 1,
+                Look::Off(deviation) => {
+                    places += 1;
+                    if deviation > farthest.0 {
+                        farthest = (deviation, &outcome.name, cell);
+                    }
                 }
-                continue;
-            }
-            let error = spread / root;
-            if expected.abs() < KNOWN * error {
-                left_out += 1;
-                continue;
-            }
-            places += 1;
-            if off / error > farthest.0 {
-                farthest = (off / error, &outcome.name, cell);
+                Look::Wrong => {
+                    let what = format!(
+                        "{} at {}: the mean of the estimates is {} where theory says {} ± {}",
+                        outcome.name,
+                        place(group, cell),
+                        short(mean),
+                        short(expected),
+                        short(spread / root)
+                    );
+                    return Some((false, what));
+                }
             }
         }
     }
@@ -74,6 +76,39 @@ pub(super) fn everywhere<const D: usize>(
     Some((deviation <= allowed, detail))
 }
 
+/// What one place says.
+#[derive(Debug, PartialEq)]
+enum Look {
+    /// Nothing can differ there, and nothing does.
+    Equal,
+    /// Too few points come for their mean to be taken as normal.
+    Skew,
+    /// So many standard errors lie between.
+    Off(f64),
+    /// A difference without spread, or no number at all.
+    Wrong,
+}
+
+/// Judges a simulated mean, given the exact one and its standard error; below `rounding` a spread is none.
+fn look((mean, expected, error): (f64, f64, f64), rounding: f64) -> Look {
+    if ![mean, expected, error].iter().all(|v| v.is_finite()) {
+        return Look::Wrong;
+    }
+    let off = (mean - expected).abs();
+    if error <= rounding {
+        return if off <= rounding {
+            Look::Equal
+        } else {
+            Look::Wrong
+        };
+    }
+    // both, so that theory which is wrong about zero is not left out for saying zero
+    if expected.abs().max(mean.abs()) < KNOWN * error {
+        return Look::Skew;
+    }
+    Look::Off(off / error)
+}
+
 /// The centre of a cell in words.
 fn place<const D: usize>(group: &Group<D>, cell: usize) -> String {
     // a millionth of a cell is rounding
@@ -82,4 +117,25 @@ fn place<const D: usize>(group: &Group<D>, cell: usize) -> String {
     place
         .map(|x| short((x / unit).round() * unit + 0.0))
         .join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Look, look};
+
+    #[test]
+    fn what_is_wrong_is_seen_and_what_is_not_known_is_left_out() {
+        let at = |mean, expected, error| look((mean, expected, error), 1e-9);
+        assert_eq!(at(1.0, 1.0, 0.0), Look::Equal);
+        assert_eq!(at(1.0, 1.1, 0.0), Look::Wrong);
+        assert_eq!(at(0.02, 0.01, 0.01), Look::Skew);
+        assert!(matches!(at(1.0, 1.1, 0.01), Look::Off(z) if (z - 10.0).abs() < 1e-9));
+        // theory that says nothing where simulation finds much
+        assert!(matches!(at(5.0, 0.0, 0.01), Look::Off(z) if z > 400.0));
+        for wrong in [f64::NAN, f64::INFINITY] {
+            assert_eq!(at(wrong, 1.0, 0.1), Look::Wrong);
+            assert_eq!(at(1.0, wrong, 0.1), Look::Wrong);
+            assert_eq!(at(1.0, 1.0, wrong), Look::Wrong);
+        }
+    }
 }
