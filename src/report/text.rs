@@ -279,6 +279,7 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
             '\u{2212}' | '×' | '±' => 0.84,
             '\u{300}'..='\u{36f}' | '\u{200b}'..='\u{200f}' => 0.0,
             '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{ffdc}' | '\u{1f000}'.. => 1.05,
+            '…' => 1.0,
             '⁻' => 0.53,
             other if lowered(other).is_some() => 0.41,
             other if other.is_uppercase() => 0.75,
@@ -296,7 +297,7 @@ pub(super) fn fit(text: &str, size: f64, limit: f64) -> String {
     let mut kept = String::new();
     for character in text.chars() {
         kept.push(character);
-        if width(&kept, size) + 0.9 * size > limit {
+        if width(&kept, size) + size > limit {
             kept.pop();
             break;
         }

@@ -225,7 +225,7 @@ impl Multiples {
         let name = fit(
             &small.title,
             BOLDER * style::LABEL,
-            layout.across - width(&note, style::TICK),
+            layout.across - width(&note, style::TICK) - 6.0,
         );
         canvas.text(
             (corner.0, corner.1 - 9.0),

@@ -1,7 +1,7 @@
 //! What every figure must be, whatever it is given: well-formed, finite, inside its sheet, no label on another.
 
 use super::*;
-use crate::report::text::width;
+use crate::report::text::{BOLDER, width};
 
 /// A label of a finished figure as a box: left, top, right, bottom.
 #[derive(Debug)]
@@ -130,7 +130,7 @@ fn labels(svg: &Svg) -> (Vec<Label>, (f64, f64)) {
             label.grow(
                 width(&text, size)
                     * if tag.contains("font-weight") {
-                        1.04
+                        BOLDER
                     } else {
                         1.0
                     },
