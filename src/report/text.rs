@@ -280,8 +280,8 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
             '\u{300}'..='\u{36f}' | '\u{200b}'..='\u{200f}' => 0.0,
             '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{ffdc}' | '\u{1f000}'.. => 1.05,
             '…' => 1.0,
-            '⁻' => 0.53,
-            other if lowered(other).is_some() => 0.41,
+            '⁻' => 0.61,
+            other if lowered(other).is_some() => 0.46,
             other if other.is_uppercase() => 0.75,
             _ => 0.65,
         })
