@@ -270,21 +270,21 @@ fn off(room: &Arc<Scene>, patches: usize, places: &[(usize, [f64; 2])]) -> Vec<[
 
 const PATHS: usize = 20_000;
 
-/// A lamp of 0.8 × 0.8 in the middle of a room, black on the back that the ceiling and the walls look at: what they send there is lost, and is not what
-/// quadrature has missed.
+/// A lamp of a half by a half in the middle of a room, black on the back that the ceiling and the walls look at: what they send there is lost, and is not what
+/// quadrature has missed. Patches as coarse as these leave a few per cent; rows that are made to sum to 1 would give back the tenths that are lost.
 #[test]
 fn light_that_goes_to_a_back_is_lost() {
     let mut surfaces = cube([0.8; 3], 0.0, 0.0);
     let corners = [
-        [0.1, 0.1, 0.5],
-        [0.1, 0.9, 0.5],
-        [0.9, 0.9, 0.5],
-        [0.9, 0.1, 0.5],
+        [0.25, 0.25, 0.5],
+        [0.25, 0.75, 0.5],
+        [0.75, 0.75, 0.5],
+        [0.75, 0.25, 0.5],
     ];
     surfaces.push(quad("lamp", corners, [0.5; 3], 1.0));
     let room = scene(surfaces);
-    for [off, error] in off(&room, 216, &[(1, [0.5, 0.5]), (2, [0.5, 0.9])]) {
-        assert!(off.abs() < 4.0 * error + 1.5, "{off} % ± {error} %");
+    for [off, error] in off(&room, 384, &[(1, [0.1, 0.5]), (2, [0.5, 0.9])]) {
+        assert!(off.abs() < 4.0 * error + 5.0, "{off} % ± {error} %");
     }
 }
 
