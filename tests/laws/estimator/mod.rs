@@ -39,7 +39,8 @@ fn runner(cases: u32) -> TestRunner {
     let config = Config {
         cases,
         failure_persistence: None,
-        max_shrink_iters: 20,
+        // a law that is tried once brings data of its own, which nothing makes smaller
+        max_shrink_iters: if cases > 1 { 20 } else { 0 },
         ..Config::default()
     };
     TestRunner::new_with_rng(
