@@ -1,6 +1,7 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
 use super::character::character;
+use super::judge::short;
 use super::ladder::{self, Ladder};
 use super::run::{Bench, Cell, Failure, Finished, Record, Replicate};
 use super::uncertainty::Said;
@@ -77,6 +78,21 @@ impl<const D: usize> Group<D> {
     /// The outcome of the estimator of that name.
     pub fn outcome(&self, name: &str) -> Option<&Outcome> {
         self.outcomes.iter().find(|outcome| outcome.name == name)
+    }
+
+    /// The outcomes of the estimators of these names; all where none is named.
+    pub fn outcomes_of(&self, names: &[String]) -> Vec<&Outcome> {
+        let wanted = |outcome: &&Outcome| names.is_empty() || names.contains(&outcome.name);
+        self.outcomes.iter().filter(wanted).collect()
+    }
+
+    /// The centre of a cell in words.
+    pub fn place(&self, cell: usize) -> String {
+        // a millionth of a cell is rounding
+        let unit = 1e-6 * self.grid.width(0);
+        let centre = self.grid.centre(cell);
+        let words = centre.map(|x| short((x / unit).round() * unit + 0.0));
+        words.join(", ")
     }
 
     /// The integral of the truth over the grid; 1 where the truth is not known.

@@ -141,11 +141,7 @@ pub(super) fn agrees<const D: usize>(
     of: &[String],
     confidence: f64,
 ) -> Option<(bool, String)> {
-    let chosen: Vec<&Outcome> = group
-        .outcomes
-        .iter()
-        .filter(|o| of.is_empty() || of.contains(&o.name))
-        .collect();
+    let chosen = group.outcomes_of(of);
     let exact = exact_counterpart(measure)?;
     let each = sidak(confidence, chosen.len());
     let mut outside = Vec::new();

@@ -25,13 +25,7 @@ pub(super) fn covers<const D: usize>(
     };
     let (held, count) = (*held.get(nearest)? as usize, coverage.count as usize);
     let interval = share_interval(held, count, confidence);
-    // a millionth of a cell is rounding
-    let unit = 1e-6 * group.grid.width(0);
-    let place = group
-        .grid
-        .centre(nearest)
-        .map(|x| short((x / unit).round() * unit + 0.0));
-    let place = place.join(", ");
+    let place = group.place(nearest);
     let detail = format!(
         "at {place} in {} of the samples (interval {} to {}), expected {} ± {margin}",
         short(interval.value),

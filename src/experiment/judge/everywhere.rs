@@ -2,9 +2,9 @@
 
 use super::short;
 use crate::accuracy::{reach, sidak};
-use crate::experiment::results::{Group, Outcome};
+use crate::experiment::results::Group;
 
-/// How many standard errors of its mean an estimate must be above zero for that mean to be taken as normal: where fewer points come, their number is skew.
+/// How many standard errors of its mean an estimate must be away from zero for that mean to be taken as normal: where fewer points come, their number is skew.
 const KNOWN: f64 = 25.0;
 
 /// What rounding may do to a mean without spread, relative to the greatest.
@@ -12,22 +12,17 @@ const ROUNDING: f64 = 1e-9;
 
 /// Whether the means over replicates are the exact ones, in units of their exact standard errors, at all places of all estimators at once.
 ///
-/// Places that nearly no sample reaches are left out and counted; where no sample can make a difference the means must be equal but for rounding.
+/// Places where the mean is next to zero, as where nearly no sample comes, are left out and counted; where no sample can make a difference the means must be equal but for rounding.
 pub(super) fn everywhere<const D: usize>(
     group: &Group<D>,
     of: &[String],
     confidence: f64,
 ) -> Option<(bool, String)> {
-    let chosen: Vec<&Outcome> = group
-        .outcomes
-        .iter()
-        .filter(|o| of.is_empty() || of.contains(&o.name))
-        .collect();
     let truth = group.truth.as_ref()?;
     let (mut places, mut left_out) = (0, 0);
     // deviation in standard errors, estimator, cell
     let mut farthest = (0.0, "", 0);
-    for outcome in &chosen {
+    for outcome in group.outcomes_of(of) {
         let (Some(expected), Some(spread)) = (&outcome.expected, &outcome.spread) else {
             let name = &outcome.name;
             return Some((false, format!("there is no exact mean of {name}")));
@@ -52,7 +47,7 @@ pub(super) fn everywhere<const D: usize>(
                     let what = format!(
                         "{} at {}: the mean of the estimates is {} where theory says {} ± {}",
                         outcome.name,
-                        place(group, cell),
+                        group.place(cell),
                         short(mean),
                         short(expected),
                         short(spread / root)
@@ -68,9 +63,9 @@ pub(super) fn everywhere<const D: usize>(
     let allowed = reach(sidak(confidence, places));
     let (deviation, name, cell) = farthest;
     let detail = format!(
-        "of {places} places ({left_out} more that too few points reach) the farthest is {} standard errors off, {name} at {}; chance allows {}",
+        "of {places} places ({left_out} more are too near to zero to tell) the farthest is {} standard errors off, {name} at {}; chance allows {}",
         short(deviation),
-        place(group, cell),
+        group.place(cell),
         short(allowed)
     );
     Some((deviation <= allowed, detail))
@@ -81,7 +76,7 @@ pub(super) fn everywhere<const D: usize>(
 enum Look {
     /// Nothing can differ there, and nothing does.
     Equal,
-    /// Too few points come for their mean to be taken as normal.
+    /// Too near to zero: so few points may come that their mean is not to be taken as normal.
     Skew,
     /// So many standard errors lie between.
     Off(f64),
@@ -107,16 +102,6 @@ fn look((mean, expected, error): (f64, f64, f64), rounding: f64) -> Look {
         return Look::Skew;
     }
     Look::Off(off / error)
-}
-
-/// The centre of a cell in words.
-fn place<const D: usize>(group: &Group<D>, cell: usize) -> String {
-    // a millionth of a cell is rounding
-    let unit = 1e-6 * group.grid.width(0);
-    let place = group.grid.centre(cell);
-    place
-        .map(|x| short((x / unit).round() * unit + 0.0))
-        .join(", ")
 }
 
 #[cfg(test)]
