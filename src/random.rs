@@ -45,10 +45,38 @@ pub fn open_unit(stream: &mut Stream) -> f64 {
     stream.sample(Open01)
 }
 
+/// As many numbers strictly between 0 and 1, the same as by [`open_unit`] one after the other.
+pub fn open_units(stream: &mut Stream, numbers: &mut [f64]) {
+    // words first: numbers are then made of them in vector registers
+    let mut words = [0u64; 256];
+    for numbers in numbers.chunks_mut(words.len()) {
+        let words = &mut words[..numbers.len()];
+        stream.fill(words);
+        for (number, word) in numbers.iter_mut().zip(&*words) {
+            // as `Open01` does: 52 bits as a number from 1 to 2, and what makes that the middle of its interval
+            let fraction = f64::from_bits(1.0f64.to_bits() | (word >> 12));
+            *number = fraction - (1.0 - 0.5 * f64::EPSILON);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::stream;
+    use super::{open_unit, open_units, stream};
     use rand::RngExt;
+
+    #[test]
+    fn many_numbers_are_those_of_one_at_a_time() {
+        for length in [0, 1, 2, 255, 256, 257, 1000] {
+            let (mut one, mut all) = (stream(3, "sample", 1), stream(3, "sample", 1));
+            let mut numbers = vec![0.0; length];
+            open_units(&mut all, &mut numbers);
+            for number in numbers {
+                assert_eq!(number.to_bits(), open_unit(&mut one).to_bits());
+            }
+            assert_eq!(all.random::<u64>(), one.random::<u64>(), "{length}");
+        }
+    }
 
     #[test]
     fn streams_are_frozen() {

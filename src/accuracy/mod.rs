@@ -27,7 +27,7 @@ mod tally;
 
 pub use calibration::{Calibration, rank_correlation};
 pub use coverage::{Coverage, coverage_with_bias, reach};
-pub use errors::{Errors, RELATIVE_FLOOR};
+pub use errors::{Errors, RELATIVE_FLOOR, Yardstick};
 pub use interval::{
     Interval, fewest_for_median, mean_interval, median_interval, share_interval, sidak,
 };

@@ -4,6 +4,7 @@
 //! Chan, Golub & LeVeque 1983, Algorithms for computing the sample variance, eq. 2.1 (merging).
 
 use crate::numeric::Sum;
+use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 /// Count, mean and sum of squared deviations of the error at each target. Merging in a fixed order gives the same bits always.
@@ -38,13 +39,13 @@ impl Tally {
             "one value per target"
         );
         self.count += 1;
-        let n = self.count as f64;
-        for (i, (&estimate, &truth)) in estimate.iter().zip(truth).enumerate() {
-            let error = estimate - truth;
-            let ahead = error - self.mean[i];
-            self.mean[i] += ahead / n;
-            self.squares[i] += ahead * (error - self.mean[i]);
-        }
+        Arch::new().dispatch(Update {
+            estimate,
+            truth,
+            share: (self.count as f64).recip(),
+            mean: &mut self.mean,
+            squares: &mut self.squares,
+        });
     }
 
     /// Takes in the estimates of another tally.
@@ -126,22 +127,26 @@ impl Tally {
     /// The split with standard errors, by leaving out one of the `blocks` at a time (jackknife); `None` for fewer than two blocks or for a
     /// remainder of fewer than two estimates.
     pub fn decompose_blocks(blocks: &[&Self], cell: f64) -> Option<(Decomposition, Decomposition)> {
-        let all = blocks.iter().fold(Self::default(), |mut all, block| {
-            all.merge(block);
-            all
-        });
-        let whole = all.decompose(cell)?;
+        // what lies before each block and what lies behind it, so that many blocks cost no more than a few merges each
+        let running = |blocks: &mut dyn Iterator<Item = &&Self>| -> Vec<Self> {
+            let mut all = Self::default();
+            let mut so_far = vec![all.clone()];
+            for block in blocks {
+                all.merge(block);
+                so_far.push(all.clone());
+            }
+            so_far
+        };
+        let before = running(&mut blocks.iter());
+        let whole = before[blocks.len()].decompose(cell)?;
         if blocks.len() < 2 {
             return None;
         }
+        let behind = running(&mut blocks.iter().rev());
         let left_out: Vec<Decomposition> = (0..blocks.len())
             .map(|out| {
-                let mut rest = Self::default();
-                blocks
-                    .iter()
-                    .enumerate()
-                    .filter(|&(b, _)| b != out)
-                    .for_each(|(_, block)| rest.merge(block));
+                let mut rest = before[out].clone();
+                rest.merge(&behind[blocks.len() - 1 - out]);
                 rest.decompose(cell)
             })
             .collect::<Option<_>>()?;
@@ -165,9 +170,34 @@ impl Tally {
     }
 }
 
+/// One more estimate of a share of all, target by target. [Welford 1962]
+struct Update<'a> {
+    estimate: &'a [f64],
+    truth: &'a [f64],
+    share: f64,
+    mean: &'a mut [f64],
+    squares: &'a mut [f64],
+}
+
+impl WithSimd for Update<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let known = self.mean.iter_mut().zip(self.squares);
+        let new = self.estimate.iter().zip(self.truth);
+        for ((mean, squares), (estimate, truth)) in known.zip(new) {
+            let error = estimate - truth;
+            let ahead = error - *mean;
+            *mean += ahead * self.share;
+            *squares += ahead * (error - *mean);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Tally;
+    use super::{Decomposition, Tally};
 
     fn tally(errors: &[f64]) -> Tally {
         let mut tally = Tally::default();
@@ -210,6 +240,29 @@ mod tests {
             (bias2 - 0.25).abs() < 1e-14 && (variance - 1.0).abs() < 1e-14,
             "{bias2} {variance}"
         );
+    }
+
+    /// Leaving out one block after the other by the definition.
+    #[test]
+    fn leaving_out_one_block_is_merging_the_others() {
+        let errors: Vec<f64> = (0..23).map(|i| (f64::from(i) * 1.7).sin() + 0.3).collect();
+        let blocks: Vec<Tally> = errors.chunks(4).map(tally).collect();
+        let blocks: Vec<&Tally> = blocks.iter().collect();
+        let (whole, spread) = Tally::decompose_blocks(&blocks, 0.5).expect("six blocks");
+        let rest = |out: usize| {
+            let mut rest = Tally::default();
+            let others = (0..blocks.len()).filter(|&b| b != out);
+            others.for_each(|b| rest.merge(blocks[b]));
+            rest.decompose(0.5).expect("several")
+        };
+        assert!((whole.bias2 - rest(99).bias2).abs() < 1e-15);
+        let of = |value: fn(&Decomposition) -> f64| {
+            let left: Vec<f64> = (0..6).map(|out| value(&rest(out))).collect();
+            let mean = left.iter().sum::<f64>() / 6.0;
+            (5.0 / 6.0 * left.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt()
+        };
+        assert!((spread.bias2 / of(|d| d.bias2) - 1.0).abs() < 1e-12);
+        assert!((spread.variance / of(|d| d.variance) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -360,7 +360,7 @@ fn explain<const D: usize>(
     if let Some(engine) = evaluation.engine {
         notes.say(&format!("engine {engine}"));
     }
-    for line in &evaluation.explanation {
+    for line in evaluation.explanation.lines() {
         notes.say(&format!("  {line}"));
     }
     notes.say(&format!(

@@ -4,11 +4,12 @@ use super::{Builder, Density, Entry, Univariate};
 use crate::numeric::root;
 use crate::numeric::special::{
     normal_density, normal_density_derivative, normal_distribution, normal_probability,
-    normal_quantile,
+    normal_quantile, normal_quantiles,
 };
 use crate::parameter::{BuildError, Kind, Parameter, Values};
-use crate::random::{Stream, open_unit};
+use crate::random::{Stream, open_unit, open_units};
 use crate::space::{Domain, Field, Point};
+use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
 /// One part of a normal mixture.
@@ -112,6 +113,50 @@ impl NormalMixture {
     }
 }
 
+/// Draws treated together.
+const CHUNK: usize = 256;
+
+/// Turns standard normal `places` into places of the component that each of `shares` chooses.
+struct Place<'a> {
+    components: &'a [NormalComponent],
+    shares: &'a mut [f64],
+    places: &'a mut [f64],
+}
+
+/// `yes` where the mask is all ones, `no` where it is zero.
+#[inline(always)]
+fn masked(mask: u64, yes: f64, no: f64) -> f64 {
+    f64::from_bits((yes.to_bits() & mask) | (no.to_bits() & !mask))
+}
+
+impl WithSimd for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Some((last, others)) = self.components.split_last() else {
+            return;
+        };
+        let count = self.places.len();
+        let (mut means, mut deviations) = ([last.mean; CHUNK], [last.deviation; CHUNK]);
+        for part in others {
+            let chosen = means[..count].iter_mut().zip(&mut deviations[..count]);
+            for (share, (mean, deviation)) in self.shares.iter_mut().zip(chosen) {
+                let left = *share - part.weight;
+                // once below zero it stays there; a mask and no branch, which would be guessed wrong half of the time
+                let here = u64::from((*share >= 0.0) & (left < 0.0)).wrapping_neg();
+                *mean = masked(here, part.mean, *mean);
+                *deviation = masked(here, part.deviation, *deviation);
+                *share = left;
+            }
+        }
+        let chosen = means[..count].iter().zip(&deviations[..count]);
+        for (place, (mean, deviation)) in self.places.iter_mut().zip(chosen) {
+            *place = place.mul_add(*deviation, *mean);
+        }
+    }
+}
+
 impl Field<1> for NormalMixture {
     fn domain(&self) -> &Domain<1> {
         &self.domain
@@ -135,6 +180,29 @@ impl Density<1> for NormalMixture {
             })
             .unwrap_or(&self.components[last]);
         [z.mul_add(chosen.deviation, chosen.mean)]
+    }
+
+    fn draws(&self, many: usize, random: &mut Stream) -> Vec<Point<1>> {
+        let mut points = Vec::with_capacity(many);
+        let (mut words, mut shares, mut places) = ([0.0; 2 * CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+        while points.len() < many {
+            let length = CHUNK.min(many - points.len());
+            let (words, shares) = (&mut words[..2 * length], &mut shares[..length]);
+            let places = &mut places[..length];
+            open_units(random, words);
+            let (pairs, _) = words.as_chunks::<2>();
+            for ((share, z), pair) in shares.iter_mut().zip(&mut *places).zip(pairs) {
+                [*share, *z] = *pair;
+            }
+            normal_quantiles(places);
+            Arch::new().dispatch(Place {
+                components: &self.components,
+                shares,
+                places,
+            });
+            points.extend(places.iter().map(|&x| [x]));
+        }
+        points
     }
 
     fn probability(&self, [low]: Point<1>, [high]: Point<1>) -> f64 {

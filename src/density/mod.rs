@@ -53,6 +53,11 @@ pub trait Density<const D: usize>: Field<D> {
     /// One point.
     fn draw(&self, random: &mut Stream) -> Point<D>;
 
+    /// `many` points, to the bit those that [`Density::draw`] gives one after the other; for less, where the density can.
+    fn draws(&self, many: usize, random: &mut Stream) -> Vec<Point<D>> {
+        (0..many).map(|_| self.draw(random)).collect()
+    }
+
     /// The probability of the box from `low` to `high`.
     fn probability(&self, low: Point<D>, high: Point<D>) -> f64;
 

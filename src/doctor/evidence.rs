@@ -5,9 +5,6 @@ use crate::accuracy::chance::{detectable, two_sided};
 use crate::numeric::Sum;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// From so many replicates on Student's t is the normal distribution for what matters here.
-const MANY: f64 = 1000.0;
-
 /// One comparison.
 struct Part {
     p_value: f64,
@@ -44,18 +41,28 @@ impl Finding {
 
 impl Evidence {
     /// A mean over independent replicates.
+    ///
+    /// Squared errors and squared deviations are skew, and the t statistic of their mean then is too: too often far below, too seldom far above. Hall's
+    /// transformation takes that out, g(t) = t + γt²/3 + γ²t³/27 + γ/6 with γ the skewness over √n, which keeps the order of all t. \[Hall 1992, eq. 2.2\] Its
+    /// spread is an estimate as well, so that it is held against Student's distribution.
     pub fn mean(&mut self, of: &str, values: &[f64], expected: f64) {
         let n = values.len() as f64;
         let mean = values.iter().copied().collect::<Sum>().value() / n;
-        let squares = values.iter().map(|v| (v - mean).powi(2)).collect::<Sum>();
-        let error = (squares.value() / (n - 1.0) / n).sqrt();
+        let moment = |power: i32| {
+            let terms = values.iter().map(|v| (v - mean).powi(power));
+            terms.collect::<Sum>().value() / n
+        };
+        let variance = moment(2) * n / (n - 1.0);
+        let error = (variance / n).sqrt();
         self.value(of, mean, error, expected);
-        // the error is an estimate itself, which few replicates show in the tails
-        if let Some(part) = self.parts.last_mut().filter(|_| n < MANY && error > 0.0) {
-            let z = ((mean - expected) / error).abs();
-            let tail = StudentsT::new(0.0, 1.0, n - 1.0).map_or(0.5, |student| student.sf(z));
-            part.p_value = 2.0 * tail;
-        }
+        let Some(part) = self.parts.last_mut().filter(|_| error > 0.0) else {
+            return;
+        };
+        let t = (mean - expected) / error;
+        let skew = moment(3) / variance.powf(1.5) / n.sqrt();
+        let symmetric = t + skew * t * t / 3.0 + (skew * t).powi(2) * t / 27.0 + skew / 6.0;
+        let tail = StudentsT::new(0.0, 1.0, n - 1.0).map_or(0.5, |s| s.sf(symmetric.abs()));
+        part.p_value = 2.0 * tail;
     }
 
     /// The variance over independent replicates, with its standard error from their fourth moment.
@@ -183,5 +190,32 @@ mod tests {
         let critical = detectable(check_level(), 0.5);
         let power = crate::numeric::special::normal_distribution(stated - critical);
         assert!((power - POWER).abs() < 1e-9, "{power}");
+    }
+
+    /// p-values of means of squares of normal numbers, which are skew, in both tails: as often small as they say.
+    #[test]
+    fn means_of_skew_numbers_keep_their_level() {
+        use crate::random;
+        use rand_distr::{Distribution, StandardNormal};
+        const TRIALS: usize = 20_000;
+        let mut random = random::stream(11, "doctor", 0);
+        let (mut low, mut high) = (0usize, 0usize);
+        for _ in 0..TRIALS {
+            let values: [f64; 100] = std::array::from_fn(|_| {
+                let z: f64 = StandardNormal.sample(&mut random);
+                z * z
+            });
+            let mut evidence = Evidence::default();
+            evidence.mean("a", &values, 1.0);
+            if evidence.parts[0].p_value <= 0.01 {
+                let mean = values.iter().sum::<f64>() / 100.0;
+                *(if mean < 1.0 { &mut low } else { &mut high }) += 1;
+            }
+        }
+        // 136 and 73 are expected (100 would be exact; measured on 400 000 trials), without the transformation 442 and 12
+        assert!(
+            (90..190).contains(&low) && (40..115).contains(&high),
+            "{low} {high}"
+        );
     }
 }

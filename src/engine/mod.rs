@@ -9,6 +9,7 @@
 //! | interval | compact kernels, fixed width, a line | a grid | rounding | n + m | `interval/` |
 //! | sorted | compact kernels, fixed width, a line | any | rounding | n log n + m | `sorted.rs` |
 //! | binned | Gaussian, fixed width, a line | a grid | as asked, to about 1e-8 of the peak | n + nodes | `binned/` |
+//! | relay | Gaussian, fixed width, a line | a grid | 1e-12 of the peak or as asked | n + m | `relay/` |
 //! | scatter | any kernel, widths that do not depend on the target, a line | any | rounding | n log m + m, or n · targets in a window | `scatter.rs` |
 //! | gather, splat, mesh, hermite, binned | the plane, see [`plane`] | | | | `plane/` |
 //! | hermite | Gaussian, fixed width, a line | any | 1e-12 of the peak or as asked | n + m | `hermite/` |
@@ -26,6 +27,8 @@ mod pairs;
 mod pieces;
 mod plan;
 pub mod plane;
+mod recent;
+mod relay;
 mod scatter;
 mod sorted;
 
@@ -36,6 +39,7 @@ pub use interval::Interval;
 pub use pairs::{CompactPairs, GaussianPairs};
 pub use plan::{LINE, Plan, PlanError, Planned, Verdict, plan};
 pub use plane::{BinnedGrid, Gather, HermiteGrid, Mesh, PLANE, PlanePairs, Splat};
+pub use relay::Relay;
 pub use scatter::Scatter;
 pub use sorted::Sorted;
 

@@ -1,6 +1,7 @@
 //! Choosing an engine: all are asked for a quote, the cheapest within the tolerance is taken, and the choice can be read.
 
-use super::{Binned, Direct, Engine, Hermite, Interval, Quote, Scatter, Sorted};
+use super::recent::plan_again;
+use super::{Binned, Direct, Engine, Hermite, Interval, Quote, Relay, Scatter, Sorted};
 use crate::kernel::KernelSum;
 use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
 use std::fmt;
@@ -13,6 +14,7 @@ pub const LINE: &[&dyn Engine<1>] = &[
     &Sorted,
     &Hermite,
     &Binned::AUTOMATIC,
+    &Relay,
     &Scatter,
 ];
 
@@ -278,7 +280,7 @@ impl<const D: usize> Field<D> for Planned<D> {
     }
 
     fn evaluate(&self, targets: Targets<'_, D>) -> Evaluation {
-        let plan = |forced| plan(self.engines, &self.sum, targets, self.tolerance, forced);
+        let plan = |forced| plan_again(self.engines, &self.sum, targets, self.tolerance, forced);
         let mut warnings = Vec::new();
         let plan = plan(self.forced).or_else(|error| {
             warnings.push(Warning {
@@ -295,14 +297,15 @@ impl<const D: usize> Field<D> for Planned<D> {
             .iter()
             .position(|engine| engine.name() == plan.engine.name())
             .expect("chosen among the engines");
-        let prepare = || plan.engine.prepare(self.sum.clone(), self.tolerance);
+        let engine = plan.engine;
+        let prepare = || engine.prepare(self.sum.clone(), self.tolerance);
         let field = self.prepared[position].get_or_init(|| {
             // an engine that quotes and then cannot is replaced by the definition
             prepare().unwrap_or_else(|_| Box::new(self.sum.clone()))
         });
         let mut answer = field.evaluate(targets);
         answer.engine = answer.engine.or(Some("direct"));
-        answer.explanation.splice(0..0, plan.lines());
+        answer.explanation.begin_with(plan);
         answer.warnings.splice(0..0, warnings);
         answer
     }
@@ -399,6 +402,7 @@ mod tests {
         assert!(
             on_grid
                 .explanation
+                .lines()
                 .iter()
                 .any(|line| line.contains("chosen"))
         );

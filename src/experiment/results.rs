@@ -284,7 +284,7 @@ impl<const D: usize> Results<D> {
                     grid: setting.grid,
                     mask: setting.mask.clone(),
                     regions: setting.regions.clone(),
-                    truth: setting.truth.clone(),
+                    truth: setting.truth().map(<[f64]>::to_vec),
                     outcomes: Vec::new(),
                 };
                 let exact: Vec<Option<Vec<Moments>>> = (0..experiment.estimators.len())

@@ -2,6 +2,7 @@
 
 mod chebyshev;
 mod minimise;
+mod normal_quantile;
 pub mod orthogonal;
 mod quadrature;
 mod root;
@@ -12,4 +13,4 @@ pub use chebyshev::Piecewise;
 pub use minimise::{Minimum, local_minima, minimise};
 pub use quadrature::{GaussLegendre, panels};
 pub use root::root;
-pub use summation::Sum;
+pub use summation::{Sum, sum, two_sum};

@@ -1,6 +1,8 @@
 //! Special functions: the normal density with its derivatives, its distribution function and the inverse, Hermite polynomials.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
+pub use super::normal_quantile::{normal_quantile, normal_quantiles};
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// φ(x) = exp(-x²/2) / √(2π), the standard normal density.
 pub fn normal_density(x: f64) -> f64 {
@@ -20,11 +22,6 @@ pub fn normal_probability(low: f64, high: f64) -> f64 {
     } else {
         normal_distribution(high) - normal_distribution(low)
     }
-}
-
-/// Φ⁻¹(p) for 0 ≤ p ≤ 1, within 3e-16 of itself in the lower tail; infinite at 0 and 1. For p near 1 use -Φ⁻¹(1 - p) with an exact 1 - p.
-pub fn normal_quantile(p: f64) -> f64 {
-    -SQRT_2 * statrs::function::erf::erfc_inv(2.0 * p)
 }
 
 /// Heᵣ(x), the probabilists' Hermite polynomial: He₀ = 1, He₁ = x, Heᵣ₊₁ = x Heᵣ - r Heᵣ₋₁.

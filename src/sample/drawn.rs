@@ -18,8 +18,7 @@ impl<const D: usize> Source<D> for Drawn<D> {
     fn sample(&self, draws: usize, random: &mut Stream) -> Result<Sample<D>, SampleError> {
         let domain = self.0.domain().clone();
         let Some((whole, _)) = self.0.beyond() else {
-            let points = (0..draws).map(|_| self.0.draw(random)).collect();
-            return Sample::equal(points, domain);
+            return Sample::equal(self.0.draws(draws, random), domain);
         };
         let (mut points, mut margin) = (Vec::with_capacity(draws), Vec::new());
         while points.len() < draws {

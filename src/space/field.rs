@@ -2,6 +2,8 @@
 
 use super::{Domain, Grid, Point, Raster};
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
 
 /// Where values are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +46,32 @@ pub struct Warning {
     pub hint: String,
 }
 
+/// Reasons, put into words only where someone asks for them: experiments evaluate millions of estimates.
+#[derive(Clone, Default)]
+pub struct Explanation(Vec<Arc<dyn fmt::Display + Send + Sync>>);
+
+impl Explanation {
+    /// Puts a reason before those there are.
+    pub fn begin_with(&mut self, reason: Arc<dyn fmt::Display + Send + Sync>) {
+        self.0.insert(0, reason);
+    }
+
+    /// All reasons, line by line.
+    pub fn lines(&self) -> Vec<String> {
+        let told = |reason: &Arc<dyn fmt::Display + Send + Sync>| reason.to_string();
+        let lines = self.0.iter().map(told);
+        lines
+            .flat_map(|told| told.lines().map(str::to_owned).collect::<Vec<_>>())
+            .collect()
+    }
+}
+
+impl fmt::Debug for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.lines()).finish()
+    }
+}
+
 /// Values at targets, with what is known about them.
 #[derive(Clone, Debug, Default)]
 pub struct Evaluation {
@@ -54,8 +82,8 @@ pub struct Evaluation {
     pub error: f64,
     /// The engine that computed the values, where there was a choice.
     pub engine: Option<&'static str>,
-    /// Why that engine, line by line.
-    pub explanation: Vec<String>,
+    /// Why that engine.
+    pub explanation: Explanation,
     /// How far around each target the data were averaged, where that differs from target to target.
     pub sizes: Option<Vec<f64>>,
     /// The root mean squared error that the estimator itself expects at each target, where it does; not calibrated.

@@ -18,7 +18,7 @@ mod summed_area;
 mod summits;
 
 pub use domain::{Domain, DomainError, Side};
-pub use field::{Evaluation, Field, Targets, Warning};
+pub use field::{Evaluation, Explanation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
 pub use modes::{Mode, RIPPLE, modes};
 pub use polygon::{Polygon, PolygonError};

@@ -24,14 +24,41 @@ pub struct Mode {
 ///
 /// No modes if no value is positive. O(cells).
 pub fn modes(raster: &Raster<1>, tolerance: f64) -> Vec<Mode> {
-    let values = raster.values();
-    let peak = values.iter().copied().fold(0.0, f64::max);
-    if peak <= 0.0 {
-        return Vec::new();
-    }
-    let rise = tolerance * peak;
     let place = |i: usize| raster.grid().coordinate(0, i);
     let mut found = Vec::new();
+    for_each_top(raster.values(), tolerance, |value, first, last| {
+        found.push(Mode {
+            at: 0.5 * (place(first) + place(last)),
+            value,
+        });
+    });
+    found
+}
+
+/// The largest of `values`; 0 if none is positive. Several at a time, which a running maximum of one is not.
+fn peak(values: &[f64]) -> f64 {
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let (chunks, rest) = values.as_chunks::<8>();
+    let mut peaks = [0.0; 8];
+    for chunk in chunks {
+        for (peak, &value) in peaks.iter_mut().zip(chunk) {
+            *peak = larger(*peak, value);
+        }
+    }
+    peaks.iter().chain(rest).copied().fold(0.0, larger)
+}
+
+/// Says of each mode of values side by side how high it is and which are the first and the last of the cells that share the height.
+pub(super) fn for_each_top(
+    values: &[f64],
+    tolerance: f64,
+    mut found: impl FnMut(f64, usize, usize),
+) {
+    let peak = peak(values);
+    if peak <= 0.0 {
+        return;
+    }
+    let rise = tolerance * peak;
     // climbing: the best top so far and the cells that share it; otherwise the deepest value since the last top
     let mut top: Option<(f64, usize, usize)> = Some((values[0], 0, 0));
     let mut deepest = values[0];
@@ -42,27 +69,20 @@ pub fn modes(raster: &Raster<1>, tolerance: f64) -> Vec<Mode> {
             } else if value >= *best && *last + 1 == i {
                 *last = i;
             } else if *best - value > rise {
-                found.push(Mode {
-                    at: 0.5 * (place(*first) + place(*last)),
-                    value: *best,
-                });
+                found(*best, *first, *last);
                 top = None;
                 deepest = value;
             }
         } else {
-            deepest = deepest.min(value);
+            deepest = if value < deepest { value } else { deepest };
             if value - deepest > rise {
                 top = Some((value, i, i));
             }
         }
     }
     if let Some((value, first, last)) = top {
-        found.push(Mode {
-            at: 0.5 * (place(first) + place(last)),
-            value,
-        });
+        found(value, first, last);
     }
-    found
 }
 
 #[cfg(test)]

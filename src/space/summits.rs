@@ -1,6 +1,7 @@
 //! How many modes a sampled function has, in any number of dimensions.
 
-use super::{Grid, Raster, modes};
+use super::Raster;
+use super::modes::for_each_top;
 
 /// The number of modes of `raster`: on a line those of [`modes`](super::modes()), in the plane the summits with a prominence of more than `tolerance` times the
 /// highest value. Cells are neighbours if they share an edge or a corner.
@@ -8,12 +9,11 @@ use super::{Grid, Raster, modes};
 /// The prominence of a summit is how far one must go down from it to reach higher ground; that of the highest is its height. A plateau is one summit,
 /// and so are summits with a shallower pass between them. No summits if no value is positive. O(cells log cells).
 pub fn mode_count<const D: usize>(raster: &Raster<D>, tolerance: f64) -> usize {
-    let grid = raster.grid();
-    match grid.cells()[..] {
-        [cells] => {
-            let line = Grid::new([grid.low()[0]], [grid.high()[0]], [cells])
-                .unwrap_or_else(|error| unreachable!("they are a grid already: {error}"));
-            modes(&Raster::new(line, raster.values().to_vec()), tolerance).len()
+    match raster.grid().cells()[..] {
+        [_] => {
+            let mut many = 0;
+            for_each_top(raster.values(), tolerance, |_, _, _| many += 1);
+            many
         }
         [rows, columns] => summits(raster.values(), [rows, columns], tolerance),
         _ => 0,
@@ -74,6 +74,7 @@ fn find(leader: &mut [usize], cell: usize) -> usize {
 mod tests {
     use super::*;
     use crate::numeric::special::normal_density;
+    use crate::space::Grid;
     use crate::space::RIPPLE;
 
     fn count(f: impl Fn(f64, f64) -> f64) -> usize {

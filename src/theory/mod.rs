@@ -2,7 +2,7 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`generalised_histogram_moments`], [`series_moments`], [`adaptive_moments`], [`neighbour_moments`] |
+//! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`generalised_histogram_moments`], [`series_moments`], [`adaptive_moments`], [`plane_adaptive_moments`], [`neighbour_moments`] |
 //! | the same of any estimate that is Σ κ(x, Xᵢ) / n | [`equivalent_moments`] |
 //! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`], [`SeriesError::at`] |
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
@@ -56,8 +56,8 @@ pub use neighbour::{Convention, NeighbourError, best_neighbours, neighbour_momen
 pub use optimum::{Optimum, Oracle};
 pub use patch::Support;
 pub use plane::{
-    PlaneHistogramError, PlaneKernelError, kernel_oracle, plane_equivalent_moments,
-    plane_kernel_moments,
+    PlaneHistogramError, PlaneKernelError, PlaneWidths, kernel_oracle, plane_adaptive_moments,
+    plane_equivalent_moments, plane_kernel_moments,
 };
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
 pub use series::{SeriesError, Taper, series_moments, series_moments_in_plane};

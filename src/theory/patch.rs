@@ -25,27 +25,43 @@ impl Support {
     /// Polar about the centre, in units of the reach: each ray is cut where it meets the outline. Sectors end at corners, where edges leave an ellipse,
     /// and at a ladder of angles that closes in on edges near the centre. Good to some 1e-9 of the largest g; some hundred to thousand places.
     pub fn nodes(&self, domain: &Domain<2>, longest: f64) -> Vec<(Point<2>, f64)> {
-        let ring = self.ring(domain);
-        let longest = longest / self.reach[0].max(self.reach[1]);
         let area = self.reach[0] * self.reach[1];
+        let inner = longest / self.reach[0].max(self.reach[1]);
         let mut nodes = Vec::new();
-        for sector in sectors(&ring, self.round, longest).windows(2) {
-            for (angle, across) in RULE.on(sector[0], sector[1]) {
-                let (sine, cosine) = angle.sin_cos();
-                for [from, to] in inside(&ring, [cosine, sine], self.round) {
-                    for piece in panels(from, to, [], longest).windows(2) {
-                        for (r, along) in RULE.on(piece[0], piece[1]) {
-                            let place = [
-                                (r * cosine).mul_add(self.reach[0], self.centre[0]),
-                                (r * sine).mul_add(self.reach[1], self.centre[1]),
-                            ];
-                            nodes.push((place, area * r * across * along));
-                        }
+        for ray in self.rays(domain, longest) {
+            for [from, to] in &ray.pieces {
+                for piece in panels(*from, *to, [], inner).windows(2) {
+                    for (r, along) in RULE.on(piece[0], piece[1]) {
+                        nodes.push((self.place(&ray, r), area * r * ray.weight * along));
                     }
                 }
             }
         }
         nodes
+    }
+
+    /// The rays of [`Support::nodes`], in the order of their angles: Σ over them of weight × ∫ g r dr over their pieces, times the area of the square of the reach, is the integral of g.
+    pub(super) fn rays(&self, domain: &Domain<2>, longest: f64) -> Vec<Ray> {
+        let ring = self.ring(domain);
+        let longest = longest / self.reach[0].max(self.reach[1]);
+        let mut rays = Vec::new();
+        for sector in sectors(&ring, self.round, longest).windows(2) {
+            for (angle, weight) in RULE.on(sector[0], sector[1]) {
+                let (sine, cosine) = angle.sin_cos();
+                let direction = [cosine, sine];
+                rays.push(Ray {
+                    direction,
+                    weight,
+                    pieces: inside(&ring, direction, self.round),
+                });
+            }
+        }
+        rays
+    }
+
+    /// The place at the distance `r` on a ray.
+    pub(super) fn place(&self, ray: &Ray, r: f64) -> Point<2> {
+        [0, 1].map(|k: usize| (r * ray.direction[k]).mul_add(self.reach[k], self.centre[k]))
     }
 
     /// The rectangle cut to the domain, in units of the reach from the centre; empty where nothing is left.
@@ -63,6 +79,16 @@ impl Support {
         }
         vec![low, [high[0], low[1]], high, [low[0], high[1]]]
     }
+}
+
+/// A direction from the centre of a support, lengths in units of its reach.
+pub(super) struct Ray {
+    /// Cosine and sine of its angle.
+    direction: [f64; 2],
+    /// The weight of the rule over the angles.
+    pub weight: f64,
+    /// From where to where it runs inside.
+    pub pieces: Vec<[f64; 2]>,
 }
 
 fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {

@@ -17,6 +17,8 @@ mod expansion;
 mod scattered;
 mod setting;
 
+pub(super) use setting::{ROUNDING, power_of_two_below, remainder, rounding_of_sums};
+
 use super::{Engine, Quote, Unsupported};
 use crate::kernel::{Form, Kernel, KernelSum};
 use crate::sample::Weights;

@@ -29,7 +29,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 pub(super) const ORDER: usize = 16;
 
 /// Half a unit in the last place of one.
-const ROUNDING: f64 = f64::EPSILON / 2.0;
+pub(in crate::engine) const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Points that are summed without compensation in one go, see [`crate::space::binning`].
 const BLOCK: f64 = (1 << 17) as f64;
@@ -99,12 +99,12 @@ impl Setting {
 }
 
 /// The largest power of two not above `x`, exactly.
-fn power_of_two_below(x: f64) -> f64 {
+pub(in crate::engine) fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (0x7FF << 52))
 }
 
 /// E(M, r) of the module's documentation.
-fn remainder(order: usize, ratio: f64) -> f64 {
+pub(in crate::engine) fn remainder(order: usize, ratio: f64) -> f64 {
     let mut term = 1.0865 * SQRT_2;
     for m in 1..=order {
         term *= ratio / (m as f64).sqrt();
@@ -114,15 +114,19 @@ fn remainder(order: usize, ratio: f64) -> f64 {
 
 fn bound(bandwidth: f64, coarse: f64, fine: f64, moments: usize, points: usize, reach: f64) -> f64 {
     let (r, big) = (0.5 * fine / bandwidth, 0.5 * coarse / bandwidth);
-    let n = points as f64;
-    // the mass of a cell is exact; its first moment is at most r times that, rounded once per point of a block and once per block
-    let sums = remainder(1, r) * (n.min(BLOCK) + n / BLOCK / 16.0) * ROUNDING;
     // the same expansion once more about the targets' cells, and the rounding of a few dozen terms
     2.0 * remainder(ORDER, big)
         + remainder(moments, r)
         + 2.3 * (-0.5 * reach * reach).exp()
-        + sums
+        + rounding_of_sums(r, points)
         + 64.0 * ROUNDING
+}
+
+/// What rounding in the moments of cells of half width r may cost: the mass of a cell is exact; its first moment is at most r times that, rounded once
+/// per point of a block and once per block.
+pub(in crate::engine) fn rounding_of_sums(ratio: f64, points: usize) -> f64 {
+    let n = points as f64;
+    remainder(1, ratio) * (n.min(BLOCK) + n / BLOCK / 16.0) * ROUNDING
 }
 
 #[cfg(test)]

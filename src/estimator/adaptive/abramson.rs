@@ -96,7 +96,7 @@ impl<const D: usize> Width<D> {
 
 impl<const D: usize> Abramson<D> {
     /// (p/g)^(-α) with p clipped from below; never so far that a width is beyond all numbers.
-    fn stretch(&self, pilot: f64, mean: f64) -> f64 {
+    pub(super) fn stretch(&self, pilot: f64, mean: f64) -> f64 {
         const LEAST: f64 = 1e-12;
         (pilot / mean)
             .max(self.clip)

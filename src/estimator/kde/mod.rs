@@ -225,9 +225,9 @@ impl Estimator<1> for Kde {
 }
 
 /// Free choice, or one of the engines of the line or of the plane by name.
-const ENGINES: [&str; 10] = [
-    "auto", "direct", "interval", "sorted", "hermite", "binned", "scatter", "gather", "splat",
-    "mesh",
+const ENGINES: [&str; 11] = [
+    "auto", "direct", "interval", "sorted", "hermite", "binned", "relay", "scatter", "gather",
+    "splat", "mesh",
 ];
 
 /// The engine that `values` ask for, if any and if there is one of that name among `engines`.

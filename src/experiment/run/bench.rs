@@ -2,6 +2,7 @@
 
 use super::cell::sampling_stream;
 use super::{Cell, RunError, block_length};
+use crate::accuracy::Yardstick;
 use crate::density::{Density, Truth};
 use crate::estimator::{Context, Estimator};
 use crate::experiment::catalogue::{Builds, Entry};
@@ -31,8 +32,8 @@ pub struct Setting<const D: usize = 1> {
     pub mask: Option<Vec<bool>>,
     /// The cells of each region, by name.
     pub regions: Vec<(String, Vec<u32>)>,
-    /// The truth at the centres of the grid's cells, where it is known.
-    pub truth: Option<Vec<f64>>,
+    /// The truth at the centres of the grid's cells, where it is known, as errors are measured against it.
+    pub yardstick: Option<Yardstick>,
     /// The estimators in the experiment's order.
     pub estimators: Vec<Box<dyn Estimator<D>>>,
     /// The estimates of the error in the experiment's order.
@@ -40,6 +41,11 @@ pub struct Setting<const D: usize = 1> {
 }
 
 impl<const D: usize> Setting<D> {
+    /// The truth at the centres of the grid's cells, where it is known.
+    pub fn truth(&self) -> Option<&[f64]> {
+        self.yardstick.as_ref().map(Yardstick::truth)
+    }
+
     /// Sets to zero what lies outside the polygon that bounds the domain.
     pub fn restrict(&self, values: &mut [f64]) {
         if let Some(mask) = &self.mask {
@@ -438,7 +444,7 @@ where
         mask,
         regions,
         grid,
-        truth,
+        yardstick: truth.map(Yardstick::new),
         estimators: estimators?,
         uncertainties: experiment
             .uncertainties

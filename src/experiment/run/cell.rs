@@ -4,7 +4,7 @@ use super::{Bench, Failure, RunError, Setting};
 use crate::accuracy::{Coverage, Errors, Tally, reach};
 use crate::estimator::{Estimate, Estimator};
 use crate::experiment::uncertainty::Said;
-use crate::numeric::Sum;
+use crate::numeric::{Sum, sum};
 use crate::random;
 use crate::sample::Sample;
 use crate::space::{Field, Point, RIPPLE, Raster, Targets, Warning, mode_count};
@@ -133,7 +133,11 @@ pub(super) fn compute<const D: usize>(
         setting.restrict(&mut values);
         let raster = Raster::new(setting.grid, values);
         let values = raster.values();
-        if let Some(place) = values.iter().position(|v| !v.is_finite()) {
+        let total = sum(values);
+        // a sum that is a number has terms that are
+        if !total.is_finite()
+            && let Some(place) = values.iter().position(|v| !v.is_finite())
+        {
             let x = place_name(setting.grid.centre(place));
             let name = &bench.experiment().estimators[cell.estimator].name;
             return Err(RunError::Estimator(Failure {
@@ -144,10 +148,10 @@ pub(super) fn compute<const D: usize>(
         }
         record.replicates.push(Replicate {
             errors: setting
-                .truth
+                .yardstick
                 .as_ref()
-                .map(|truth| Errors::between(values, truth, measure)),
-            integral: values.iter().copied().collect::<Sum>().value() * measure,
+                .map(|yardstick| yardstick.errors(values, measure)),
+            integral: total * measure,
             modes: mode_count(&raster, RIPPLE.max(2.0 * evaluation.error)),
             smoothing: estimate.smoothing,
             regions: parts(setting, values),
@@ -165,9 +169,9 @@ pub(super) fn compute<const D: usize>(
             said.add(&squared, measure);
         }
         if let Some(intervals) = &mut intervals {
-            intervals.note(&estimate, &sample, values, setting.truth.as_deref());
+            intervals.note(&estimate, &sample, values, setting.truth());
         }
-        match &setting.truth {
+        match setting.truth() {
             Some(truth) => record.tally.add(values, truth),
             None => record.tally.add(values, &vec![0.0; values.len()]),
         }
@@ -226,9 +230,9 @@ fn parts<const D: usize>(setting: &Setting<D>, values: &[f64]) -> Vec<Part> {
     let measure = setting.grid.cell_measure();
     let one = |(_, cells): &(String, Vec<u32>)| {
         let numbers = || cells.iter().map(|&cell| cell as usize);
-        let truth = setting.truth.as_ref();
+        let yardstick = setting.yardstick.as_ref();
         Part {
-            errors: truth.map(|truth| Errors::over(numbers(), values, truth, measure)),
+            errors: yardstick.map(|yardstick| yardstick.errors_over(numbers(), values, measure)),
             integral: numbers().map(|i| values[i]).collect::<Sum>().value() * measure,
         }
     };

@@ -78,7 +78,7 @@ pub(super) fn draw<const D: usize>(
         // the spread of few and of many differ by orders of magnitude
         y: if positive { y.logarithmic() } else { y },
         traces,
-        interval: "± one standard deviation".to_owned(),
+        interval: "± one deviation".to_owned(),
         ..Sweep::default()
     }
     .draw()

@@ -10,11 +10,13 @@
 //! | normal mixture, product of densities | any other | quadrature over the kernel's support |
 //! | any other | any | integrated errors are not known; [`plane_kernel_moments`] are |
 
+mod adaptive;
 mod deficit;
 mod histogram;
 mod pointwise;
 mod twice;
 
+pub use adaptive::{PlaneWidths, plane_adaptive_moments};
 pub use histogram::PlaneHistogramError;
 pub use pointwise::{plane_equivalent_moments, plane_kernel_moments};
 

@@ -9,7 +9,7 @@ use crate::theory::{Moments, Support, kernel_moments};
 use std::f64::consts::PI;
 
 /// Beyond so many deviations the Gaussian kernel is below 1e-18 of its peak.
-const GAUSSIAN_REACH: f64 = 9.2;
+pub(super) const GAUSSIAN_REACH: f64 = 9.2;
 
 /// Mean and variance at `x` of the estimate with a kernel of this shape and symmetry and a bandwidth for each axis, over samples of `draws` points.
 ///
@@ -90,7 +90,7 @@ pub fn plane_equivalent_moments(
     of(mean.value(), square.value(), draws)
 }
 
-fn of(mean: f64, square: f64, draws: f64) -> Moments {
+pub(super) fn of(mean: f64, square: f64, draws: f64) -> Moments {
     Moments {
         mean,
         // rounding must not make a variance negative where it vanishes
