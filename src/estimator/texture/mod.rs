@@ -34,7 +34,7 @@ use std::sync::Arc;
 ///
 /// | `estimate` | what is done with the map | mass |
 /// |---|---|---|
-/// | `splat` | each point becomes an Epanechnikov kernel that smooths as much as the disc at its place, of 1.2 times its radius, rescaled to unit volume on the texture | kept |
+/// | `splat` | each point becomes an Epanechnikov kernel of the radius at its place, rescaled to unit volume on the texture | kept |
 /// | `window` | the mass in the window of that size about the cell, over its area | not kept |
 /// | `nearest-neighbours` | at each place as many nearest neighbours as the window there holds points | not kept |
 ///

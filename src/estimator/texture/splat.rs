@@ -1,7 +1,6 @@
 //! Each point as a kernel on the texture.
 
 use super::bilinear;
-use crate::kernel::{Shape, Symmetry};
 use crate::numeric::Sum;
 use crate::sample::Sample;
 use crate::space::Raster;
@@ -32,20 +31,13 @@ pub(super) fn bytes(points: usize, sets: usize) -> u64 {
     ((lanes(points) + 1) * size_of::<f64>()) as u64 * sets as u64
 }
 
-/// How much wider an Epanechnikov kernel is than the disc that smooths as it does, in variance and bias together: 1.2. The radii that errors were judged for are those of windows of even height; a
-/// kernel that falls off over the same disc smooths less than was judged right, and is too noisy. \[Marron & Nolan 1988, Canonical kernels for density estimation\]
-fn widening() -> f64 {
-    let scale = |shape| Symmetry::Radial.canonical_scale::<2>(shape);
-    scale(Shape::Epanechnikov) / scale(Shape::Uniform)
-}
-
-/// The densities on the texture of several weights of the same points: each point becomes w (1 - (r/cR)²) on the cells whose centres lie within c = [`widening`] times the radius R at its place,
-/// rescaled so that the cells hold exactly w. A point whose disc holds no centre, or that lies outside of the texture, goes to the nearest cell.
+/// The densities on the texture of several weights of the same points: each point becomes w (1 - (r/R)²) on the cells whose centres lie within the radius R at its place, rescaled so
+/// that the cells hold exactly w. (A kernel that smooths as much as the disc that was judged, in variance and bias together, would be 1.2 R wide. On the three lightings of
+/// `variable-kernel.toml` that is worse: root mean squared errors of 1.22, 1.05 and 1.59 of the best single radius instead of 1.12, 0.95 and 1.56, in 4 samples.) A point whose disc holds no centre, or that lies outside of the texture, goes to the nearest cell.
 pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Splat {
     let grid = *radii.grid();
     let points = samples[0].points();
     let lanes = lanes(points.len());
-    let wider = widening();
     let each = points.len().div_ceil(lanes);
     let lanes: Vec<(Vec<f64>, u64)> = (0..lanes)
         .into_par_iter()
@@ -53,7 +45,7 @@ pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Splat {
             let mut sums = vec![0.0; samples.len() * grid.len()];
             let (mut under, mut touched) = (Vec::new(), 0);
             for i in lane * each..((lane + 1) * each).min(points.len()) {
-                footprint(radii, wider, points[i], &mut under);
+                footprint(radii, points[i], &mut under);
                 touched += under.len() as u64;
                 let heights = under.iter().map(|(_, height)| *height);
                 let volume = heights.collect::<Sum>().value();
@@ -86,12 +78,12 @@ pub(super) fn splat(samples: &[Sample<2>], radii: &Raster<2>) -> Splat {
     }
 }
 
-/// The cells under the kernel of a point, `wider` than the radius at its place, and its height at their centres.
-fn footprint(radii: &Raster<2>, wider: f64, x: [f64; 2], under: &mut Vec<(usize, f64)>) {
+/// The cells under the kernel of a point and its height at their centres.
+fn footprint(radii: &Raster<2>, x: [f64; 2], under: &mut Vec<(usize, f64)>) {
     under.clear();
     let grid = radii.grid();
     let cells = grid.cells();
-    let radius = wider * bilinear(radii, x);
+    let radius = bilinear(radii, x);
     let place = |k: usize, x: f64| (x - grid.low()[k]) / grid.width(k) - 0.5;
     let range = |k: usize| {
         let reach = radius / grid.width(k);
@@ -133,7 +125,6 @@ mod tests {
     #[test]
     fn a_splat_costs_its_points_times_their_footprints() {
         let grid = Grid::new([0.0; 2], [1.0; 2], [64; 2]).expect("legal");
-        assert!((widening() - 1.200_94).abs() < 1e-4);
         let relative = |n: usize, radius: f64, expected: f64| {
             let mut random = stream(56, "splat", n as u64);
             // away from the sides, where discs are cut
@@ -141,7 +132,7 @@ mod tests {
             let sample = Sample::equal(points.collect(), Domain::unit()).expect("legal");
             let radii = Raster::new(grid, vec![radius; grid.len()]);
             let touched = splat(&[sample], &radii).touched as f64;
-            let area = std::f64::consts::PI * (widening() * expected).powi(2);
+            let area = std::f64::consts::PI * expected * expected;
             touched / (n as f64 * area / grid.cell_measure()) - 1.0
         };
         // in one lane and in two
