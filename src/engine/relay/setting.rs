@@ -226,7 +226,7 @@ mod tests {
     fn what_would_not_fit_is_refused() {
         let far = Grid::new([-1e7], [1e7], [1000]).expect("legal");
         assert!(Setting::choose(1e-3, &far, (100, false), 1e-6).is_err());
-        let coarse = Grid::new([1e15], [1e15 + 1.0], [10]).expect("legal");
+        let coarse = Grid::new([1e15], [1e15 + 1000.0], [10]).expect("legal");
         assert!(Setting::choose(1e-3, &coarse, (100, false), 1e-6).is_err());
         let fine = Grid::new([0.0], [1.0], [1 << 20]).expect("legal");
         assert!(Setting::choose(0.1, &fine, (100, false), 1e-6).is_err());
