@@ -4,11 +4,12 @@
 //! registers; for a product kernel a row is a multiple of one and the same row, for a radial one it is a function of u² + v² with the v² computed once for all rows. Cells beyond the end of the support
 //! receive the zero that the kernel has there, so there is no branch in a row. Whether a cell is inside is decided by the same operations in the same order as in the definition.
 //!
-//! **Threads.** The rows of the grid are cut into bands; a band is summed by one task, which visits the data of its own and of the neighbouring bands in their order. So nothing is shared, and the bits do not
-//! depend on the number of threads.
+//! **Threads.** The rows of the grid are cut into bands; a band is summed by one task. Where footprints are low, it visits its own data and keeps the sums of the rows just beyond its ends, which are added
+//! to its neighbours' in the end; where they are high, it visits the data of its neighbours too. So nothing is shared, and the bits do not depend on the number of threads.
 //!
 //! **Rounding.** Every [`RUN`] data the sums of a band are closed and added, compensated, to its totals: no chain of additions is longer, however many data fall on one place.
 
+mod narrow;
 mod visit;
 
 use super::super::{Engine, Quote, Unsupported};
@@ -20,7 +21,7 @@ use crate::sample::Weights;
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets};
 use rayon::prelude::*;
 use std::ops::Range;
-use visit::{Frame, visit};
+use visit::{Frame, LANES, visit};
 
 /// Data between two closings.
 const RUN: usize = 4096;
@@ -47,7 +48,8 @@ impl Engine<2> for Splat {
         };
         let layout = Layout::new(sum, grid, tolerance)?;
         let n = sum.sample().len() as f64;
-        // measured on one thread of a busy machine: 55 ns to order and begin a datum, 12 ns for each further band, 4 ns a row and 0.6 ns a cell; twice that a row where each must find its ends
+        // measured on one thread of a busy machine: 55 ns to order and begin a datum, 12 ns for each further band, 4 ns a row and 0.6 ns a cell; twice that a row where each must find its ends;
+        // 45 ns for all of a datum whose footprint fits into the lanes
         let [rows, columns] = [0, 1].map(|axis| {
             let reach = layout.typical_reach[axis];
             (2.0 * reach + 1.0).min(grid.cells()[axis] as f64)
@@ -58,10 +60,18 @@ impl Engine<2> for Splat {
             _ if round && columns > 24.0 => 2.5,
             _ => 1.0,
         };
-        let further = (2.0 * layout.typical_reach[0] / layout.rows as f64).min(16.0);
+        let further = if layout.margin > 0 {
+            0.0
+        } else {
+            (2.0 * layout.typical_reach[0] / layout.rows as f64).min(16.0)
+        };
         let share = look::share(sum.sample(), grid, layout.typical_reach);
-        let datum =
-            10.0 + share * (45.0 + 12.0 * further + row * rows * (4.0 + 0.6 * (columns + 4.0)));
+        let square = sum.fixed().is_some() && rows.max(columns) < (LANES + 1) as f64;
+        let datum = if square {
+            10.0 + share * 35.0 * row
+        } else {
+            10.0 + share * (45.0 + 12.0 * further + row * rows * (4.0 + 0.6 * (columns + 4.0)))
+        };
         Ok(Quote {
             error: layout.error(sum),
             nanoseconds: 10_000.0 + datum * n + 6.0 * grid.len() as f64,
@@ -100,7 +110,12 @@ struct Layout<'a> {
     slop: [f64; 2],
     /// Rows of a band.
     rows: usize,
+    /// Rows beyond each end of a band whose sums it keeps; 0 if it visits the neighbours' data instead.
+    margin: usize,
 }
+
+/// The cells of a band that stay in the cache nearest to the processor.
+const CACHED: usize = 1 << 13;
 
 impl<'a> Layout<'a> {
     fn new(sum: &KernelSum<2>, grid: &'a Grid<2>, tolerance: f64) -> Result<Self, Unsupported> {
@@ -131,11 +146,18 @@ impl<'a> Layout<'a> {
                 "the cells are so thin beside h or beside their place that rounding could move data across them".to_owned(),
             ));
         }
-        let lines = grid.cells()[0];
-        // as high as a footprint if that leaves some eight bands; never lower than eight rows
-        let rows = (reach[0].ceil() as usize)
-            .clamp(lines.div_ceil(32), lines.div_ceil(8))
-            .max(8);
+        let [lines, columns] = grid.cells();
+        // two more: the band of a datum near an edge may be off by rounding
+        let margin = (reach[0] as usize).min(lines) + 2;
+        let (rows, margin) = if 8 * margin <= lines {
+            // some eight bands at least, and margins that are not most of the work
+            let cached = (CACHED / columns).saturating_sub(2 * margin);
+            (cached.min(lines.div_ceil(8)).max(2 * margin), margin)
+        } else {
+            // as high as a footprint if that leaves some eight bands; never lower than eight rows
+            let rows = (reach[0].ceil() as usize).clamp(lines.div_ceil(32), lines.div_ceil(8));
+            (rows.max(8), 0)
+        };
         Ok(Self {
             grid,
             radius,
@@ -144,13 +166,14 @@ impl<'a> Layout<'a> {
             typical_reach: cells(typical),
             slop,
             rows,
+            margin,
         })
     }
 
     /// Relative to the ceiling: the longest chain of additions, some ten roundings of each term, what is cut.
     fn error(&self, sum: &KernelSum<2>) -> f64 {
         let chain = sum.sample().len().min(RUN) as f64;
-        0.5 * f64::EPSILON * (chain + 24.0) + self.cut
+        0.5 * f64::EPSILON * (chain + 28.0) + self.cut
     }
 
     fn bands(&self) -> usize {
@@ -210,10 +233,10 @@ impl Locator {
     }
 }
 
-/// The rows of one band and what was added to them.
+/// The rows of one band, its margins included, and what was added to them.
 struct Band {
     rows: Range<usize>,
-    /// The sums of the current run.
+    /// The sums of the current run, and some rows beyond them that mean nothing.
     open: Vec<f64>,
     /// The sums of the closed runs and what rounding took from them; empty before the first closing.
     closed: Vec<[f64; 2]>,
@@ -221,6 +244,15 @@ struct Band {
 }
 
 impl Band {
+    fn new(rows: Range<usize>, stride: usize) -> Self {
+        Self {
+            open: vec![0.0; (rows.len() + LANES) * stride],
+            rows,
+            closed: Vec::new(),
+            since: 0,
+        }
+    }
+
     fn close(&mut self) {
         self.closed.resize(self.open.len(), [0.0; 2]);
         for ([total, lost], open) in self.closed.iter_mut().zip(&mut self.open) {
@@ -233,29 +265,47 @@ impl Band {
         }
         self.since = 0;
     }
+
+    /// Adds what it has of row `i` to `values`.
+    fn give(&self, i: usize, stride: usize, values: &mut [f64]) {
+        if !self.rows.contains(&i) {
+            return;
+        }
+        let start = (i - self.rows.start) * stride;
+        if self.closed.is_empty() {
+            for (value, open) in values.iter_mut().zip(&self.open[start..]) {
+                *value += open;
+            }
+        } else {
+            for (value, [total, lost]) in values.iter_mut().zip(&self.closed[start..]) {
+                *value += total + lost;
+            }
+        }
+    }
 }
 
 fn on_grid(sum: &KernelSum<2>, layout: &Layout<'_>) -> Vec<f64> {
-    let grid = layout.grid;
+    let Layout {
+        grid, rows, margin, ..
+    } = *layout;
     let [lines, columns] = grid.cells();
     let frame = Frame::new(sum, grid, layout.radius, layout.slop);
     let mut bands: Vec<Band> = (0..layout.bands())
         .map(|b| {
-            let rows = b * layout.rows..((b + 1) * layout.rows).min(lines);
-            Band {
-                open: vec![0.0; rows.len() * frame.stride],
-                rows,
-                closed: Vec::new(),
-                since: 0,
-            }
+            let range = (b * rows).saturating_sub(margin)..((b + 1) * rows + margin).min(lines);
+            Band::new(range, frame.stride)
         })
         .collect();
     let cut = Bands {
         bands: bands.len(),
         cells: 1,
     };
-    // one more: the band of a datum near an edge may be off by rounding
-    let around = ((layout.reach[0] / layout.rows as f64).floor() as usize + 1).min(bands.len());
+    let around = if margin > 0 {
+        0
+    } else {
+        // one more: the band of a datum near an edge may be off by rounding
+        ((layout.reach[0] / rows as f64).floor() as usize + 1).min(bands.len())
+    };
     let locator = layout.locator();
     let widths = widths(sum).unwrap_or_default();
     for rush in Data::of(sum.sample(), widths).chunks(RUSH / 4) {
@@ -276,18 +326,24 @@ fn on_grid(sum: &KernelSum<2>, layout: &Layout<'_>) -> Vec<f64> {
             }
         });
     }
+    bands.par_iter_mut().for_each(|band| {
+        if !band.closed.is_empty() {
+            band.close();
+        }
+    });
     let mut values = vec![0.0; grid.len()];
     let scale = factor(sum);
     values
-        .par_chunks_mut(layout.rows * columns)
-        .zip(bands)
-        .for_each(|(values, mut band)| {
-            band.close();
-            let rows = band.closed.chunks(frame.stride);
-            for (values, row) in values.chunks_mut(columns).zip(rows) {
-                for (value, [total, lost]) in values.iter_mut().zip(row) {
-                    *value = scale.iter().fold(total + lost, |value, s| value * s);
-                }
+        .par_chunks_mut(columns)
+        .enumerate()
+        .for_each(|(i, values)| {
+            // margins are lower than bands: only the neighbours have some of a row
+            let b = i / rows;
+            for band in &bands[b.saturating_sub(1)..(b + 2).min(bands.len())] {
+                band.give(i, frame.stride, values);
+            }
+            for value in values {
+                *value = scale.iter().fold(*value, |value, s| value * s);
             }
         });
     values

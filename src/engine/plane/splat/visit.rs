@@ -1,31 +1,32 @@
-//! The loop over the data: a footprint each, row by row.
+//! The loop over the data: a footprint each, row by row. Footprints of at most eight by eight cells have a loop of their own in `narrow.rs`.
 // code compiled for wide registers must end up inside the function that `pulp` compiles for them
 #![allow(clippy::inline_always)]
 
 use super::super::pieces::Slices;
 use super::super::profile::{Profile, with_profile};
+use super::narrow::Narrow;
 use crate::kernel::{KernelSum, Shape, Symmetry};
 use crate::space::Grid;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Cells that are computed at one go.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// The grid as all data see it.
 pub(super) struct Frame {
     /// The centres of the rows, and some beyond.
-    x: Vec<f64>,
+    pub x: Vec<f64>,
     /// The centres of the columns, and some beyond so that a footprint never ends within a row of lanes.
-    y: Vec<f64>,
-    columns: usize,
+    pub y: Vec<f64>,
+    pub columns: usize,
     /// The length of a row of a band: room for the lanes beyond the last column.
     pub stride: usize,
-    inverse: [f64; 2],
+    pub inverse: [f64; 2],
     slop: [f64; 2],
     radius: f64,
     /// The common width; 0 if each datum has its own.
-    h: [f64; 2],
+    pub h: [f64; 2],
 }
 
 impl Frame {
@@ -44,6 +45,18 @@ impl Frame {
         }
     }
 
+    /// What the common width reaches on each axis, in cells, rounding allowed for.
+    pub(super) fn reach(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.radius * self.h[axis] * self.inverse[axis] + self.slop[axis])
+    }
+
+    /// Whether no datum reaches more cells than there are lanes, in both directions.
+    fn narrow(&self) -> bool {
+        self.reach()
+            .iter()
+            .all(|reach| 2.0 * reach + 1.0 < (LANES + 1) as f64)
+    }
+
     /// The first cell and one past the last within `reach` cells of position `t`, of the cells in `range`.
     #[inline(always)]
     fn span(t: f64, reach: f64, range: &Range<usize>) -> (usize, usize) {
@@ -57,7 +70,7 @@ impl Frame {
     }
 }
 
-/// Adds the bumps of `data`, bare of all constant factors, to the `rows` of the grid that `open` holds.
+/// Adds the bumps of `data`, bare of all constant factors, to the `rows` of the grid that `open` holds, and to [`LANES`] rows beyond, which mean nothing.
 pub(super) fn visit(
     sum: &KernelSum<2>,
     frame: &Frame,
@@ -66,19 +79,17 @@ pub(super) fn visit(
     open: &mut [f64],
 ) {
     let product = sum.symmetry() == Symmetry::Product || sum.shape() == Shape::Gaussian;
-    let narrow = data.width.is_none()
-        && 2.0 * (frame.radius * frame.h[1] * frame.inverse[1] + frame.slop[1]) + 1.0
-            < (LANES + 1) as f64;
+    let narrow = data.width.is_none() && frame.narrow();
     let arch = Arch::new();
     with_profile!(sum.shape(), profile => match (product, narrow) {
-        (true, true) => arch.dispatch(Visit::<_, true, true> { profile, frame, data, rows, open }),
-        (true, false) => arch.dispatch(Visit::<_, true, false> { profile, frame, data, rows, open }),
-        (false, true) => arch.dispatch(Visit::<_, false, true> { profile, frame, data, rows, open }),
-        (false, false) => arch.dispatch(Visit::<_, false, false> { profile, frame, data, rows, open }),
+        (true, true) => arch.dispatch(Narrow::<_, true> { profile, frame, data, rows, open }),
+        (true, false) => arch.dispatch(Visit::<_, true> { profile, frame, data, rows, open }),
+        (false, true) => arch.dispatch(Narrow::<_, false> { profile, frame, data, rows, open }),
+        (false, false) => arch.dispatch(Visit::<_, false> { profile, frame, data, rows, open }),
     });
 }
 
-struct Visit<'a, P, const PRODUCT: bool, const NARROW: bool> {
+struct Visit<'a, P, const PRODUCT: bool> {
     profile: P,
     frame: &'a Frame,
     data: Slices<'a>,
@@ -86,9 +97,7 @@ struct Visit<'a, P, const PRODUCT: bool, const NARROW: bool> {
     open: &'a mut [f64],
 }
 
-impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
-    for Visit<'_, P, PRODUCT, NARROW>
-{
+impl<P: Profile, const PRODUCT: bool> WithSimd for Visit<'_, P, PRODUCT> {
     type Output = ();
 
     #[inline(always)]
@@ -122,11 +131,7 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
             if top >= bottom || left >= right {
                 continue;
             }
-            let blocks = if NARROW {
-                1
-            } else {
-                (right - left).div_ceil(LANES)
-            };
+            let blocks = (right - left).div_ceil(LANES);
             // each block is read, computed and written as a whole: registers know nothing of overlap
             for k in 0..blocks {
                 let mut block = lanes(&frame.y, left + k * LANES);
@@ -151,13 +156,6 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
             for i in top..bottom {
                 let (here, square) = (down[i - top], squares[i - top]);
                 let start = (i - rows.start) * frame.stride + left;
-                if NARROW {
-                    let row: &mut [f64; LANES] = open[start..]
-                        .first_chunk_mut()
-                        .expect("a row has room for the lanes");
-                    add::<P, PRODUCT>(profile, row, &across[0], here, square, weight);
-                    continue;
-                }
                 // of a wide footprint only the part within the ellipse, one cell more for rounding; of a few blocks all, which is cheaper than a root
                 let (from, to) = if (PRODUCT && P::COMPACT) || blocks <= 3 {
                     (0, blocks)
@@ -187,7 +185,7 @@ impl<P: Profile, const PRODUCT: bool, const NARROW: bool> WithSimd
 
 /// A width as the grid sees it.
 #[derive(Clone, Copy)]
-struct Size {
+pub(super) struct Size {
     h: [f64; 2],
     /// 1 / h.
     inverse: [f64; 2],
@@ -197,7 +195,7 @@ struct Size {
 
 impl Size {
     #[inline(always)]
-    fn new(frame: &Frame, h: [f64; 2]) -> Self {
+    pub(super) fn new(frame: &Frame, h: [f64; 2]) -> Self {
         Self {
             h,
             inverse: [1.0 / h[0], 1.0 / h[1]],
@@ -210,7 +208,7 @@ impl Size {
 
     /// (x - X) / h as in the definition where the kernel jumps; one multiplication where that is as good.
     #[inline(always)]
-    fn scaled<P: Profile>(&self, difference: f64, axis: usize) -> f64 {
+    pub(super) fn scaled<P: Profile>(&self, difference: f64, axis: usize) -> f64 {
         if P::JUMPS {
             difference / self.h[axis]
         } else {
@@ -221,7 +219,7 @@ impl Size {
 
 /// The numbers from `start` on.
 #[inline(always)]
-fn lanes(of: &[f64], start: usize) -> [f64; LANES] {
+pub(super) fn lanes(of: &[f64], start: usize) -> [f64; LANES] {
     *of[start..]
         .first_chunk()
         .expect("there are some beyond the last for this")
@@ -230,7 +228,7 @@ fn lanes(of: &[f64], start: usize) -> [f64; LANES] {
 /// One row of lanes; `across` holds the kernel's values of the columns for a product, where `here` is the weight times the kernel's value of the row, or their v² for a radial
 /// kernel, where `square` is the row's u².
 #[inline(always)]
-fn add<P: Profile, const PRODUCT: bool>(
+pub(super) fn add<P: Profile, const PRODUCT: bool>(
     profile: P,
     row: &mut [f64; LANES],
     across: &[f64; LANES],
