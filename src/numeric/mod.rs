@@ -1,4 +1,4 @@
-//! One-variable mathematics without data: sums, quadrature, minima, roots, special functions.
+//! One-variable mathematics without data: sums, quadrature, minima, roots, special functions, transforms.
 
 mod chebyshev;
 mod minimise;
@@ -8,9 +8,11 @@ mod quadrature;
 mod root;
 pub mod special;
 mod summation;
+mod transform;
 
 pub use chebyshev::Piecewise;
 pub use minimise::{Minimum, local_minima, minimise};
 pub use quadrature::{GaussLegendre, panels};
 pub use root::root;
 pub use summation::{Sum, sum, two_sum};
+pub use transform::{forward_transform, inverse_transform};

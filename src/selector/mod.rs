@@ -18,7 +18,8 @@
 //!
 //! # What all have in common
 //! - **Exact.** Criteria are sums over all pairs of data, computed to 1e-10 or better by [`GaussianPairs`](crate::engine::GaussianPairs) and
-//!   [`CompactPairs`](crate::engine::CompactPairs); nothing is read off a fixed number of bins.
+//!   [`CompactPairs`](crate::engine::CompactPairs); nothing is read off a fixed number of bins. Measured against plain sums over all pairs, n = 20 000 as drawn and rounded (`cargo run --release --example evidence-selector`):
+//!   h is off by at most 1.5e-9 of itself for sheather-jones, its dpi and the improved one, by 8e-8 for ucv and lscv, where a criterion is as flat as its digits.
 //! - **Kernels.** `lscv` and the likelihoods use the kernel itself. The others choose for the Gaussian, and their h is multiplied by the ratio
 //!   of canonical scales, which makes estimates with different kernels equally smooth. \[Marron & Nolan 1988\]
 //! - **Weights.** Where a formula has n it takes the effective size (Σw)²/Σw²; where it has a mean over pairs, the weighted mean.

@@ -1,8 +1,8 @@
 //! Convolution of node masses with a kernel, at every so many nodes.
 
+use crate::numeric::{forward_transform, inverse_transform};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 
 /// Products taken side by side in vector registers.
 const WIDTH: usize = 16;
@@ -90,11 +90,7 @@ impl WithSimd for Dot<'_> {
 fn by_transform(mass: &[f64], kernel: &[f64], stride: usize, outputs: usize) -> Vec<f64> {
     let length = transform_length(mass.len());
     let margin = kernel.len() - 1;
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
+    let (forward, inverse) = (forward_transform(length), inverse_transform(length));
     let mut values = vec![0.0; length];
     values[..mass.len()].copy_from_slice(mass);
     let mut circle = vec![0.0; length];

@@ -13,10 +13,11 @@
 //! # References
 //! Silverman 1982, Algorithm AS 176 (transforms of binned data); Greengard & Strain 1991, The fast Gauss transform (moments of cells).
 
+use crate::numeric::{forward_transform, inverse_transform};
 use crate::space::binning::{self, moments};
 use rayon::prelude::*;
+use realfft::RealToComplex;
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
 /// Moments of a displacement.
@@ -123,28 +124,17 @@ fn seen_from(moments: &Lag, by: f64) -> Lag {
 fn correlate(cells: &[Lag], scale: f64) -> Vec<Lag> {
     // room for all lags without wrapping round
     let length = smooth_length(2 * cells.len());
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
+    let (forward, inverse) = (forward_transform(length), inverse_transform(length));
     let spectra: Vec<Vec<Complex<f64>>> = (0..TERMS)
         .into_par_iter()
         .map(|k| spectrum(cells, k, scale, &forward))
         .collect();
-    let planes: Vec<Vec<f64>> = (0..TERMS)
+    let planes: Vec<Vec<f64>> = (0..TERMS / 2)
         .into_par_iter()
-        .map(|p| {
-            let mut product = forward.make_output_vec();
-            for k in 0..=p {
-                let sign = if (p - k).is_multiple_of(2) { 1.0 } else { -1.0 } / length as f64;
-                // the point further right is s, the one further left t: lag = place of s - place of t
-                for ((sum, s), t) in product.iter_mut().zip(&spectra[k]).zip(&spectra[p - k]) {
-                    *sum += s * t.conj() * sign;
-                }
-            }
+        .map(|q| {
+            let mut product = products(&spectra, q, 1.0 / length as f64);
             // the inverse insists that these are real, which they are up to rounding
-            for end in [0, product.len() - 1] {
+            for end in [0, length / 2] {
                 product[end].im = 0.0;
             }
             let mut values = inverse.make_output_vec();
@@ -155,8 +145,35 @@ fn correlate(cells: &[Lag], scale: f64) -> Vec<Lag> {
         })
         .collect();
     (0..cells.len())
-        .map(|j| std::array::from_fn(|p| planes[p][j]))
+        .map(|j| {
+            std::array::from_fn(|p| {
+                let (right, left) = (planes[p / 2][j], planes[p / 2][(length - j) % length]);
+                0.5 * if p % 2 == 0 {
+                    right + left
+                } else {
+                    right - left
+                }
+            })
+        })
         .collect()
+}
+
+/// The spectra of M[2q] and M[2q+1] in one.
+///
+/// The point further right is s, the one further left t: lag = place of s - place of t, and M[p] is the inverse of Σₖ (-1)^(p-k) Sₖ S̄ₚ₋ₖ. Together with the term of p - k that of
+/// k is real for an even p, whose moment is an even function of the lag, and imaginary for an odd one, whose moment is odd: so neither disturbs the other.
+fn products(spectra: &[Vec<Complex<f64>>], q: usize, scale: f64) -> Vec<Complex<f64>> {
+    let mut product = vec![Complex::new(0.0, 0.0); spectra[0].len()];
+    for k in 0..=q {
+        let sign = if k.is_multiple_of(2) { scale } else { -scale };
+        let twice = if k == q { sign } else { 2.0 * sign };
+        let (even, odd) = (&spectra[2 * q - k], &spectra[2 * q + 1 - k]);
+        for (((sum, s), t), u) in product.iter_mut().zip(&spectra[k]).zip(even).zip(odd) {
+            sum.re += twice * (s.re * t.re + s.im * t.im);
+            sum.im -= 2.0 * sign * (s.im * u.re - s.re * u.im);
+        }
+    }
+    product
 }
 
 /// The transform of the k-th moments over k!.

@@ -2,11 +2,10 @@
 
 use super::overlap::Overlap;
 use crate::kernel::{Shape, Symmetry};
-use crate::numeric::Sum;
+use crate::numeric::{Sum, forward_transform, inverse_transform};
 use crate::sample::Sample;
 use crate::space::Point;
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use std::sync::OnceLock;
 
@@ -215,7 +214,7 @@ struct Lattice {
 
 impl Lattice {
     fn new(nodes: usize, step: [f64; 2], mass: &[f64], own: [[f64; 4]; 4]) -> Self {
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(2 * nodes);
+        let transform = forward_transform(2 * nodes);
         let spectra = mass
             .par_chunks(nodes)
             .map(|row| {
@@ -251,7 +250,7 @@ impl Lattice {
             for end in [0, nodes] {
                 product[end].im = 0.0;
             }
-            let back = RealFftPlanner::<f64>::new().plan_fft_inverse(2 * nodes);
+            let back = inverse_transform(2 * nodes);
             let mut masses = back.make_output_vec();
             back.process(&mut product, &mut masses)
                 .expect("the lengths are those of the plan");
