@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """The k-th neighbour at 256² places of a million points in the unit square: CPU seconds of `lab` and of k-d trees, and whether they agree.
 
-    python3 benches/peers/neighbours.py [--n 1e6] [--k 50 500] [--threads 1] [--data even|spot] [--lab PROGRAM]
+    python3 benches/peers/neighbours.py [--n 1e6] [--k 50 500] [--threads 1] [--data even|spot] [--lab PROGRAM] [--kiddo PROGRAM]
 
 Each number is the median over processes of their own that build and ask once, reading not counted. `lab` answers with the density
-k/(n π d²), from which d is taken back; the others with the sorted list of k neighbours that they are made to give. pynanoflann is a peer where it is installed
-(`pip install pynanoflann`); SciPy always is.
+k/(n π d²), from which d is taken back; the others with the sorted list of k neighbours that they are made to give. kiddo, the k-d tree crate on which `lab` is built, too, is asked by
+the example program `peers-neighbour`, one thread only. pynanoflann is a peer where it is installed (`pip install pynanoflann`); SciPy always is.
 """
 
 import argparse
@@ -61,6 +61,7 @@ def pynanoflann(data, where, k, threads):
 
 
 PEERS = {"SciPy cKDTree": scipy, "pynanoflann": pynanoflann}
+KIDDO = "kiddo nearest_n"
 
 
 def work(name, data, answer, k, threads):
@@ -99,6 +100,18 @@ def lab(program, data, answer, k, threads):
     return {"cpu": phases["fit"] + phases["evaluate"]}
 
 
+def kiddo(program, data, answer, k):
+    import numpy as np
+
+    raw, found = (Path(answer).with_suffix(suffix) for suffix in (".points", ".distances"))
+    np.load(data).tofile(raw)
+    done = subprocess.run([str(program), str(raw), str(k), str(found)], capture_output=True, text=True)
+    if done.returncode != 0:
+        return {"missing": (done.stderr.strip().splitlines() or ["no message"])[0]}
+    np.save(answer, np.fromfile(found))
+    return {"cpu": float(done.stdout)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--n", type=lambda text: int(float(text)), default=10**6)
@@ -107,6 +120,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--data", choices=("even", "spot"), default="even")
     parser.add_argument("--lab", type=Path, help="the program to measure; without it only the peers")
+    parser.add_argument("--kiddo", type=Path, help="the program peers-neighbour (`cargo build --release --example peers-neighbour`); without it one peer less")
     parser.add_argument("--work", nargs=3, metavar=("NAME", "DATA", "ANSWER"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.work:
@@ -123,11 +137,13 @@ def main():
     for k in options.k:
         runs, answers = {}, {}
         for _ in range(options.rounds):
-            for name in [*PEERS, *(["**lab**"] if options.lab else [])]:
+            for name in [*PEERS, *([KIDDO] if options.kiddo and options.threads == 1 else []), *(["**lab**"] if options.lab else [])]:
                 with tempfile.TemporaryDirectory() as folder:
                     answer = Path(folder) / "answer.npy"
                     if name == "**lab**":
                         record = lab(options.lab, data, answer, k, options.threads)
+                    elif name == KIDDO:
+                        record = kiddo(options.kiddo, data, answer, k)
                     else:
                         command = [sys.executable, __file__, "--k", str(k), "--threads", str(options.threads), "--work", name, str(data), str(answer)]
                         record = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
@@ -135,7 +151,7 @@ def main():
                     if "cpu" in record:
                         answers[name] = np.load(answer)
         cpu = {name: statistics.median(r["cpu"] for r in list) for name, list in runs.items() if "cpu" in list[0]}
-        fastest = min((seconds for name, seconds in cpu.items() if name in PEERS), default=math.nan)
+        fastest = min((seconds for name, seconds in cpu.items() if name != "**lab**"), default=math.nan)
         for name, records in runs.items():
             if name not in cpu:
                 print(f"| {name} | {k} | - | - | {records[0]['missing']} |")

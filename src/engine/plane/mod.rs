@@ -8,8 +8,8 @@
 //! | binned | Gaussian, fixed width | a grid | n + nodes · (nodes within reach on an axis) | `binned.rs` |
 //! | hermite | Gaussian, fixed width | a grid | n + m · (cells within reach on an axis) | `hermite/` |
 //!
-//! Measured on one thread of a busy machine, n = 10⁶ standard normal points, 256 × 256 cells, h = 0.1 (`benches/peers/plane.py`): Epanechnikov by mesh 0.12 s, by splat 0.14 s product or
-//! radial, Gaussian by hermite 0.44 s at 10⁻¹² and 0.08 s at 10⁻³, by splat 2.5 s.
+//! Measured on one thread, n = 10⁶ standard normal points, 256 × 256 cells, h = 0.1 (`benches/peers/plane.py`): Epanechnikov by splat 0.05 s product and 0.06 s
+//! radial, by mesh 0.14 s, which pays where footprints are wide; Gaussian by hermite 0.44 s at 10⁻¹² and 0.08 s at 10⁻³, by splat 2.5 s.
 //!
 //! All are exact to the tolerance, at best 10⁻¹² of the ceiling mass × K(0) / (h₁ h₂), and are judged by the definition, [`Direct`].
 

@@ -191,6 +191,65 @@ fn widths_that_vary_are_the_definition_too() {
     assert!(taken["gather"] >= 100 && taken["splat"] >= 25, "{taken:?}");
 }
 
+/// More data than are put in order at one go, and footprints of a few cells as well as wide ones; judged at some of the cells.
+#[test]
+fn large_samples_are_summed_as_defined() {
+    let points = normal(300_000, 60);
+    let weights: Vec<f64> = points.iter().map(|[x, _]| x.sin().powi(2)).collect();
+    let grid = Grid::new([-4.0, -4.0], [4.0, 4.0], [96, 80]).unwrap();
+    let chosen: Vec<usize> = (0..grid.len()).step_by(467).collect();
+    let centres: Vec<Point<2>> = grid.centres().collect();
+    let mut taken = BTreeMap::new();
+    for (weights, h, shape, symmetry) in [
+        (None, [0.2, 0.3], Shape::Epanechnikov, Symmetry::Product),
+        (None, [0.3, 0.2], Shape::Uniform, Symmetry::Radial),
+        (
+            Some(&weights),
+            [0.2, 0.3],
+            Shape::Biweight,
+            Symmetry::Radial,
+        ),
+        (
+            Some(&weights),
+            [0.9, 0.5],
+            Shape::Triangular,
+            Symmetry::Product,
+        ),
+        (None, [0.15, 0.2], Shape::Gaussian, Symmetry::Product),
+    ] {
+        let case = Case {
+            name: "large",
+            points: points.clone(),
+            weights: weights.cloned(),
+            h,
+            grid,
+            scattered: Vec::new(),
+        };
+        let sum = sum_of(&case, shape, symmetry);
+        let ceiling = sum.ceiling().unwrap();
+        let places: Vec<Point<2>> = chosen.iter().map(|&cell| centres[cell]).collect();
+        let truth = by_definition(&sum, Targets::Points(&places));
+        for engine in judged() {
+            if engine.quote(&sum, Targets::Grid(&grid), EXACT).is_err() {
+                continue;
+            }
+            let field = engine.prepare(sum.clone(), EXACT).unwrap();
+            let answer = field.evaluate(Targets::Grid(&grid));
+            *taken.entry(engine.name()).or_insert(0) += 1;
+            for (&cell, truth) in chosen.iter().zip(&truth) {
+                let error = (answer.values[cell] - truth).abs() / ceiling;
+                assert!(
+                    error <= answer.error,
+                    "{} with {symmetry} {shape}: error {error:e} beyond its bound {:e}",
+                    engine.name(),
+                    answer.error
+                );
+            }
+        }
+    }
+    assert!(taken["splat"] == 5 && taken["mesh"] == 2, "{taken:?}");
+}
+
 fn on_threads(threads: usize, work: impl Fn() -> Vec<f64> + Send + Sync) -> Vec<u64> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
