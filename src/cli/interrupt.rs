@@ -14,22 +14,33 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub fn listen() {
     let _ = ctrlc::set_handler(|| {
         let first = !RAISED.swap(true, Ordering::SeqCst);
-        if first && GRACEFUL.load(Ordering::SeqCst) {
-            return;
+        if !(first && GRACEFUL.load(Ordering::SeqCst)) {
+            end();
         }
-        if let Ok(paths) = UNFINISHED.lock() {
-            for path in paths.iter() {
-                let _ = std::fs::remove_file(path);
-            }
-        }
-        std::process::exit(130);
     });
+}
+
+fn end() -> ! {
+    if let Ok(paths) = UNFINISHED.lock() {
+        for path in paths.iter() {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+    std::process::exit(130);
 }
 
 /// The flag that is raised by Ctrl-C, for a command that watches it and ends by itself.
 pub fn graceful() -> &'static AtomicBool {
     GRACEFUL.store(true, Ordering::SeqCst);
     &RAISED
+}
+
+/// Nobody watches the flag any more: from here on Ctrl-C ends at once, and so it does here if it has come meanwhile.
+pub fn at_once() {
+    GRACEFUL.store(false, Ordering::SeqCst);
+    if RAISED.load(Ordering::SeqCst) {
+        end();
+    }
 }
 
 /// A file that must not outlive an interruption.

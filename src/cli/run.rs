@@ -170,6 +170,8 @@ impl Run {
         let finished = run::run(&bench, &folder, interrupt::graceful(), &bar);
         bar.clear();
         let (bench, finished) = finished.map_err(stop)?.on_what_is_left(bench);
+        // all samples are saved; what follows is theory and paper, which may take long, too
+        interrupt::at_once();
         let results = Results::gather(&bench, finished);
         let verdicts = judge(&bench, &results);
         let circumstances = Circumstances {

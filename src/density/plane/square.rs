@@ -66,23 +66,34 @@ fn below_in_disc(x: f64, y: f64, radius: f64) -> f64 {
 }
 
 impl SquarePart {
-    fn at(&self, x: Point<2>) -> f64 {
+    /// The largest value.
+    fn peak(&self) -> f64 {
         match *self {
             Self::Flat => 1.0,
-            Self::Ramp => 2.0 * x[0],
-            Self::Spot { centre, deviation } => (0..2)
-                .map(|k| {
-                    normal_density((x[k] - centre[k]) / deviation)
-                        / (deviation * kept(centre[k], deviation))
-                })
-                .product(),
-            Self::Disc { centre, radius } => {
-                if (x[0] - centre[0]).hypot(x[1] - centre[1]) <= radius {
-                    1.0 / (PI * radius * radius)
-                } else {
-                    0.0
-                }
+            Self::Ramp => 2.0,
+            Self::Spot { centre, deviation } => {
+                1.0 / (TAU
+                    * deviation
+                    * deviation
+                    * kept(centre[0], deviation)
+                    * kept(centre[1], deviation))
             }
+            Self::Disc { radius, .. } => 1.0 / (PI * radius * radius),
+        }
+    }
+
+    /// The value over the largest one.
+    fn relative(&self, x: Point<2>) -> f64 {
+        match *self {
+            Self::Flat => 1.0,
+            Self::Ramp => x[0],
+            Self::Spot { centre, deviation } => {
+                let (u, v) = (x[0] - centre[0], x[1] - centre[1]);
+                (-0.5 * (u * u + v * v) / (deviation * deviation)).exp()
+            }
+            Self::Disc { centre, radius } => f64::from(u8::from(
+                (x[0] - centre[0]).hypot(x[1] - centre[1]) <= radius,
+            )),
         }
     }
 
@@ -92,7 +103,7 @@ impl SquarePart {
             Self::Flat | Self::Disc { .. } => ([0.0; 2], 0.0),
             Self::Ramp => ([2.0, 0.0], 0.0),
             Self::Spot { centre, deviation } => {
-                let f = self.at(x);
+                let f = self.peak() * self.relative(x);
                 let z = [0, 1].map(|k: usize| (x[k] - centre[k]) / deviation);
                 (
                     z.map(|z| -f * z / deviation),
@@ -164,6 +175,8 @@ impl SquarePart {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Square {
     parts: Vec<(f64, SquarePart)>,
+    /// What each part adds at its largest: its share times its peak.
+    peaks: Vec<f64>,
     domain: Domain<2>,
 }
 
@@ -192,8 +205,13 @@ impl Square {
         for part in &mut parts {
             part.0 /= total;
         }
+        let peaks = parts
+            .iter()
+            .map(|(share, part)| share * part.peak())
+            .collect();
         Some(Self {
             parts,
+            peaks,
             domain: Domain::unit(),
         })
     }
@@ -215,7 +233,15 @@ impl Field<2> for Square {
     }
 
     fn at(&self, x: Point<2>) -> f64 {
-        self.sum(x, |part| part.at(x))
+        if !self.domain.contains(x) {
+            return 0.0;
+        }
+        // peaks are known beforehand: those of spots take error functions
+        self.parts
+            .iter()
+            .zip(&self.peaks)
+            .map(|((_, part), peak)| peak * part.relative(x))
+            .sum()
     }
 }
 

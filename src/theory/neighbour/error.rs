@@ -1,6 +1,6 @@
 //! Integrated errors of nearest-neighbour estimates, and the best k.
 
-use super::disc::Disc;
+use super::disc::{Disc, ROUGH};
 use super::{Convention, on_line};
 use crate::density::{Bivariate, Density, Univariate};
 use crate::numeric::{GaussLegendre, Sum, panels};
@@ -92,7 +92,7 @@ impl<'a> NeighbourError<'a> {
         }
         let discs = nodes
             .par_iter()
-            .map(|(_, _, place)| Disc::about(truth, *place))
+            .map(|(_, _, place)| Disc::about(truth, *place, ROUGH))
             .collect();
         Some(Self {
             truth: Truth::Plane,

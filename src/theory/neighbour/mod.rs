@@ -11,7 +11,7 @@ use crate::density::{Density, Univariate};
 use crate::neighbour::Metric;
 use crate::numeric::{GaussLegendre, Sum};
 use crate::space::Point;
-use disc::Disc;
+use disc::{Disc, EXACT};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -84,7 +84,7 @@ impl<'a, const D: usize> Places<'a, D> {
         }
         let discs = match truth.bivariate() {
             Some(plane) if !level => (places.par_iter())
-                .map(|x| Disc::about(plane, [x[0], x[1]]))
+                .map(|x| Disc::about(plane, [x[0], x[1]], EXACT))
                 .collect(),
             None if !level => truth.univariate().map(|_| Vec::new())?,
             _ => Vec::new(),
