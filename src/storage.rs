@@ -36,6 +36,18 @@ impl StorageError {
 /// # Errors
 /// If the folder cannot be written or the disk is full.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), StorageError> {
+    write(path, bytes, true)
+}
+
+/// The same without waiting for the disk: a kill leaves all or nothing, but what a power cut leaves must be checked by who reads it.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_unhurried(path: &Path, bytes: &[u8]) -> Result<(), StorageError> {
+    write(path, bytes, false)
+}
+
+fn write(path: &Path, bytes: &[u8], wait: bool) -> Result<(), StorageError> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -47,10 +59,12 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), StorageError> {
     file.write_all(bytes)
         .and_then(|()| file.flush())
         .map_err(StorageError::at(path, "writing"))?;
-    // some file systems report a full disk only here
-    file.as_file()
-        .sync_data()
-        .map_err(StorageError::at(path, "writing"))?;
+    if wait {
+        // some file systems report a full disk only here
+        file.as_file()
+            .sync_data()
+            .map_err(StorageError::at(path, "writing"))?;
+    }
     readable_by_others(file.path()).map_err(StorageError::at(path, "writing"))?;
     file.persist(path)
         .map_err(|error| StorageError::at(path, "renaming")(error.error))?;

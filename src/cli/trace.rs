@@ -16,9 +16,6 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Blocks of paths in a piece, which is what an interruption loses at most.
-const PIECE: u64 = 16;
-
 /// Trace photons through a scene and write where they arrive
 ///
 /// Every arrival at the front of a surface is a row, with the flux before absorption. Fluxes are shares of the lamps' power by the number of
@@ -81,7 +78,7 @@ impl Trace {
             walk: &walk,
             scene: &scene,
             format,
-            pieces: walk.blocks().div_ceil(PIECE),
+            pieces: walk.blocks(),
         };
         if work.pieces == 1 {
             let piece = work.piece(0);
@@ -167,21 +164,17 @@ struct Work<'w> {
 }
 
 impl Work<'_> {
-    fn blocks(&self, piece: u64) -> std::ops::Range<u64> {
-        piece * PIECE..((piece + 1) * PIECE).min(self.walk.blocks())
-    }
-
+    /// A piece is a block of paths: what an interruption loses at most, for each thread.
     fn piece(&self, number: u64) -> Piece {
-        let mut ledger = Ledger::default();
+        let trace = self.walk.trace(number);
         let mut rows = Vec::new();
-        for block in self.blocks(number) {
-            let trace = self.walk.trace(block);
-            ledger.add(&trace.ledger);
-            for record in &trace.records {
-                self.format.row(self.scene, record, &mut rows);
-            }
+        for record in &trace.records {
+            self.format.row(self.scene, record, &mut rows);
         }
-        Piece { ledger, rows }
+        Piece {
+            ledger: trace.ledger,
+            rows,
+        }
     }
 
     /// Makes the pieces that are not there, and adds up where the light went, in their order.

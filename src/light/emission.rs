@@ -31,14 +31,9 @@ impl Emission {
         })
     }
 
-    /// The bands of some 5 nm in which it shines, as their middles and widths: sums over them are integrals of what is smooth.
-    pub fn bands(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
-        let table = self.table();
-        let rows = table.rows();
-        let (low, high) = (rows[0][0], rows[rows.len() - 1][0]);
-        let count = ((high - low) / 5.0).ceil().max(1.0) as usize;
-        let width = (high - low) / count as f64;
-        (0..count).map(move |band| ((band as f64 + 0.5).mul_add(width, low), width))
+    /// The [bands] in which it shines.
+    fn bands(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        bands(self.table().ends())
     }
 
     /// The radiance over wavelengths.
@@ -48,6 +43,16 @@ impl Emission {
             other => Table::level(VISIBLE, other.at(VISIBLE[0])),
         }
     }
+}
+
+/// Width of a band in nm, at most: colour matching functions are integrated to 0.1 % so. [CIE 15:2018, 7.2.2.2]
+const BAND: f64 = 10.0;
+
+/// Equal bands between two wavelengths, as their middles and widths: sums over them stand for integrals. The one way to cut a range of wavelengths.
+pub fn bands([low, high]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
+    let count = ((high - low) / BAND).ceil().max(1.0) as usize;
+    let width = (high - low) / count as f64;
+    (0..count).map(move |band| ((band as f64 + 0.5).mul_add(width, low), width))
 }
 
 /// Draws wavelengths with density proportional to a table.

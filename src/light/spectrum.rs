@@ -89,6 +89,11 @@ impl Table {
         &self.rows
     }
 
+    /// The first wavelength and the last.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.rows[0][0], self.rows[self.rows.len() - 1][0]]
+    }
+
     /// The value at `wavelength`; beyond the ends that of the nearest end. O(1) for even steps, O(log rows) otherwise.
     #[inline]
     pub fn at(&self, wavelength: f64) -> f64 {

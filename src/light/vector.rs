@@ -1,5 +1,8 @@
 //! Places and directions in space, rays, and frames on surfaces.
 
+// code compiled for wide registers must end up inside the function that `pulp` compiles for them
+#![allow(clippy::inline_always)]
+
 /// A place or a direction, in the scene's unit of length.
 pub type Vector = nalgebra::Vector3<f64>;
 
@@ -44,7 +47,7 @@ pub struct Frame {
 impl Frame {
     /// A frame about `normal`, which has length 1: continuous in it but at its last component 0, without branches and without cancellation.
     /// [Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin 2017, "Building an orthonormal basis, revisited", listing 3]
-    #[inline]
+    #[inline(always)]
     pub fn about(normal: Vector) -> Self {
         let sign = 1.0_f64.copysign(normal.z);
         let a = -1.0 / (sign + normal.z);
@@ -61,7 +64,7 @@ impl Frame {
     }
 
     /// The direction with these components along tangent, bitangent and normal.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self, [x, y, z]: [f64; 3]) -> Vector {
         self.tangent * x + self.bitangent * y + self.normal * z
     }

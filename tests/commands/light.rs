@@ -160,6 +160,54 @@ fn the_left_wall_is_red_and_the_right_one_green() {
     }
 }
 
+/// Every picture and every map of errors is on the page, with the size of the errors: the estimator that smooths too much has the larger.
+#[test]
+fn a_page_compares_pictures() {
+    let bench = Bench::new();
+    let rgb = scene("cornell-box-rgb.toml");
+    let arguments = [
+        "render",
+        &rgb,
+        "--photons",
+        "20000",
+        "--estimator",
+        "histogram = { width = 0.25 }",
+        "--estimator",
+        "histogram = { width = 2.0 }",
+        "--paths",
+        "32",
+        "--size",
+        "24x24",
+        "--rays",
+        "1",
+        "-o",
+        "box.html",
+    ];
+    bench.run(&arguments).succeeds().prints_nothing();
+    let page = bench.text("box.html");
+    assert_eq!(page.matches("<svg").count(), 2);
+    // three pictures, two maps and their scale of colours
+    assert_eq!(page.matches("data:image/png").count(), 6);
+    assert!(page.contains("traced, 32 paths a place"));
+    assert!(page.contains("lab render"));
+    let error = |width: &str| {
+        let (_, row) = page
+            .split_once(&format!(">histogram = {{ width = {width} }}</td>"))
+            .or_else(|| page.split_once(&format!(">histogram = {{ width = {width} }}</th>")))
+            .expect("a row of the table");
+        let digits = row
+            .trim_start_matches(|c: char| c != '>')
+            .trim_start_matches('>');
+        let from = digits.find(|c: char| c.is_ascii_digit()).unwrap();
+        let number: String = digits[from..]
+            .chars()
+            .take_while(|c| c.is_ascii_digit() || *c == '.')
+            .collect();
+        number.parse::<f64>().unwrap()
+    };
+    assert!(error("2.0") > 1.2 * error("0.25"), "{page}");
+}
+
 #[test]
 fn pictures_that_cannot_be_are_told() {
     let bench = Bench::new();
@@ -173,9 +221,26 @@ fn pictures_that_cannot_be_are_told() {
     run(&[&rgb, "--estimator", SQUARES, "-o", "x.png"])
         .ends_with(2)
         .says("--photons");
-    run(&[&rgb, "--paths", "1", "--reference", "-o", "x.png"])
+    for two in [
+        &["--paths", "1", "--reference"][..],
+        &["--paths", "1", "--photons", "10", "--estimator", SQUARES],
+        &[
+            "--photons",
+            "10",
+            "--estimator",
+            SQUARES,
+            "--estimator",
+            SQUARES,
+        ],
+    ] {
+        let arguments = [&[&rgb[..]], two, &["-o", "x.png"]].concat();
+        run(&arguments)
+            .ends_with(2)
+            .says("one picture has one light");
+    }
+    run(&[&rgb, "--paths", "1", "-o", "x.html"])
         .ends_with(2)
-        .says("cannot be used with");
+        .says("at least one --estimator");
     run(&[&cube, "--paths", "1", "-o", "x.png"])
         .ends_with(2)
         .says("has no camera");

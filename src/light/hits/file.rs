@@ -8,7 +8,7 @@
 //! Rows are in the order of paths. Over wavelengths a single photon lies outside of the triangle of sRGB, so that one of its three fluxes in a CSV file
 //! may be negative; the array holds X, Y and Z, which are not.
 
-use super::{Hits, Record, inside, linear_rgb};
+use super::{Hits, Record, folded, inside, linear_rgb};
 use crate::light::scene::Scene;
 use crate::light::spectrum::Colour;
 use crate::light::vector::Vector;
@@ -189,7 +189,7 @@ pub fn read(path: &Path, scene: &Scene, paths: u64) -> Result<Hits, HitsError> {
             [real(32), real(36), real(40)],
             (u32::from_le_bytes(four(4)), short(2)),
             (surface, u32::from_le_bytes(four(8)) as usize),
-            Vector::new(x, y, z),
+            folded(Vector::new(x, y, z)),
         );
         // written in single precision, kept in single precision
         record.u = real(12);

@@ -8,7 +8,7 @@ mod record;
 mod spool;
 
 pub use file::{Format, HitsError, read};
-pub use record::Record;
+pub use record::{Record, folded};
 pub use spool::{Piece, Spool};
 
 use super::cie;

@@ -4,7 +4,7 @@
 //! A spool belongs to one trace, named by an identity; that of another is emptied.
 
 use crate::light::ledger::Ledger;
-use crate::storage::{self, StorageError, write_atomically};
+use crate::storage::{self, StorageError, write_atomically, write_unhurried};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,8 @@ impl Spool {
         let mut bytes = blake3::hash(&body).to_hex().as_bytes().to_vec();
         bytes.push(b'\n');
         bytes.extend(body);
-        write_atomically(&path, &bytes)
+        // the hash tells what a power cut has damaged, so that a piece need not wait for the disk
+        write_unhurried(&path, &bytes)
     }
 
     /// A piece, if it was finished and is undamaged.

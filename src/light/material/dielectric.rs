@@ -2,8 +2,7 @@
 
 use super::mirror::mirrored;
 use super::{Scattered, Spectrum, Vector};
-use crate::random::Stream;
-use rand::RngExt;
+use rand::{Rng, RngExt};
 
 /// Nothing is absorbed.
 pub(super) static CLEAR: Spectrum = Spectrum::Flat(1.0);
@@ -38,7 +37,7 @@ impl Dielectric {
         incoming: Vector,
         normal: Vector,
         front: bool,
-        random: &mut Stream,
+        random: &mut impl Rng,
     ) -> Scattered {
         let (facing, index) = if front {
             (normal, self.index)

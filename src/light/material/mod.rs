@@ -17,13 +17,13 @@ mod phong;
 mod tests;
 
 pub use dielectric::{Dielectric, fresnel};
-pub use lambertian::{Lambertian, cosine_direction};
+pub use lambertian::{Lambertian, cosine_direction, cosine_direction_of};
 pub use mirror::Mirror;
 pub use phong::Phong;
 
 use super::spectrum::Spectrum;
 use super::vector::Vector;
-use crate::random::Stream;
+use rand::Rng;
 
 /// Where light goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Material {
         incoming: Vector,
         normal: Vector,
         front: bool,
-        random: &mut Stream,
+        random: &mut impl Rng,
     ) -> Scattered {
         match self {
             Self::Lambertian(_) => lambertian::scatter(normal, random),

@@ -3,8 +3,7 @@
 use super::mirror::mirrored;
 use super::{Scattered, Spectrum, Vector};
 use crate::light::vector::Frame;
-use crate::random::Stream;
-use rand::RngExt;
+use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
 /// Reflects a lobe around the mirror direction.
@@ -26,7 +25,7 @@ impl Phong {
         &self,
         incoming: Vector,
         normal: Vector,
-        random: &mut Stream,
+        random: &mut impl Rng,
     ) -> Scattered {
         let n = self.exponent;
         let (u, v): (f64, f64) = (random.random(), random.random());

@@ -16,7 +16,7 @@ use pulp::Simd;
 pub(super) const LANES: usize = 8;
 
 /// Facets reach this much, as a share of their edges, beyond them: no ray slips through between two that share an edge.
-const REACH: f64 = 1e-12;
+pub(super) const REACH: f64 = 1e-12;
 
 /// A linear form n·p + c of a place p, for each facet of a group.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,17 +45,17 @@ impl Form {
     #[inline(always)]
     fn along<S: Simd>(&self, simd: S, v: &[S::f64s; 3], at: usize) -> S::f64s {
         let x = simd.mul_f64s(row::<S>(&self.slope[0], at), v[0]);
-        let xy = simd.mul_add_e_f64s(row::<S>(&self.slope[1], at), v[1], x);
-        simd.mul_add_e_f64s(row::<S>(&self.slope[2], at), v[2], xy)
+        let xy = simd.mul_add_f64s(row::<S>(&self.slope[1], at), v[1], x);
+        simd.mul_add_f64s(row::<S>(&self.slope[2], at), v[2], xy)
     }
 
     /// n·p + c for a place.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, p: &[S::f64s; 3], at: usize) -> S::f64s {
         let offset = row::<S>(&self.offset, at);
-        let x = simd.mul_add_e_f64s(row::<S>(&self.slope[0], at), p[0], offset);
-        let xy = simd.mul_add_e_f64s(row::<S>(&self.slope[1], at), p[1], x);
-        simd.mul_add_e_f64s(row::<S>(&self.slope[2], at), p[2], xy)
+        let x = simd.mul_add_f64s(row::<S>(&self.slope[0], at), p[0], offset);
+        let xy = simd.mul_add_f64s(row::<S>(&self.slope[1], at), p[1], x);
+        simd.mul_add_f64s(row::<S>(&self.slope[2], at), p[2], xy)
     }
 
     /// The form where the ray meets the plane, times `across`.
@@ -63,13 +63,13 @@ impl Form {
     fn met<S: Simd>(
         &self,
         simd: S,
-        beam: &Beam<S>,
+        beam: &Spread<S>,
         ahead: S::f64s,
         across: S::f64s,
         at: usize,
     ) -> S::f64s {
         let start = simd.mul_f64s(self.at(simd, &beam.origin, at), across);
-        simd.mul_add_e_f64s(ahead, self.along(simd, &beam.direction, at), start)
+        simd.mul_add_f64s(ahead, self.along(simd, &beam.direction, at), start)
     }
 }
 
@@ -110,14 +110,14 @@ impl Group {
     }
 }
 
-/// A ray in registers, each number in all lanes.
-pub(super) struct Beam<S: Simd> {
+/// One ray in registers, each number in all lanes.
+pub(super) struct Spread<S: Simd> {
     origin: [S::f64s; 3],
     direction: [S::f64s; 3],
     leaving: S::f64s,
 }
 
-impl<S: Simd> Beam<S> {
+impl<S: Simd> Spread<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
@@ -160,7 +160,7 @@ impl<S: Simd> Best<S> {
 
     /// Tries the facets of a group.
     #[inline(always)]
-    pub(super) fn try_group(&mut self, simd: S, beam: &Beam<S>, group: &Group) {
+    pub(super) fn try_group(&mut self, simd: S, beam: &Spread<S>, group: &Group) {
         let zero = simd.splat_f64s(0.0);
         let low = simd.splat_f64s(-REACH);
         let high = simd.splat_f64s(1.0 + REACH);
@@ -180,9 +180,9 @@ impl<S: Simd> Best<S> {
             let mut nearer = simd.greater_than_f64s(ahead, zero);
             nearer = simd.and_m64s(nearer, simd.greater_than_or_equal_f64s(s, least));
             nearer = simd.and_m64s(nearer, simd.greater_than_or_equal_f64s(t, least));
-            let sum = simd.mul_add_e_f64s(share, t, s);
+            let sum = simd.mul_add_f64s(share, t, s);
             nearer = simd.and_m64s(nearer, simd.less_than_or_equal_f64s(sum, most));
-            let sum = simd.mul_add_e_f64s(share, s, t);
+            let sum = simd.mul_add_f64s(share, s, t);
             nearer = simd.and_m64s(nearer, simd.less_than_or_equal_f64s(sum, most));
             let (here, before) = (
                 simd.mul_f64s(ahead, self.across),
@@ -242,7 +242,7 @@ impl Facets {
 
     #[inline(always)]
     pub(super) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, limit: f64) -> Option<Found> {
-        let beam = Beam::new(simd, ray);
+        let beam = Spread::new(simd, ray);
         let mut best = Best::new(simd, limit);
         for group in &self.groups {
             best.try_group(simd, &beam, group);

@@ -3,20 +3,29 @@
 //! | file | what |
 //! |---|---|
 //! | `facets` | flat pieces, all tried at once: the definition |
+//! | `few` | flat pieces, all tried, by many rays at once: the same answer, for few |
+//! | `rectangles` | those that stand in right corners |
 //! | `tree` | flat pieces by a hierarchy of boxes: the same answer, for many |
 //! | `spheres` | spheres, one after the other |
 // code compiled for wide registers must end up inside the function that `pulp` compiles for them
 #![allow(clippy::inline_always)]
 
+mod beam;
 mod facets;
+mod few;
+mod rays;
+mod rectangles;
 mod spheres;
 #[cfg(test)]
 mod tests;
 mod tree;
 
+pub use rays::{Rays, Row, TOGETHER};
+
 use super::scene::{Facet, Sphere};
 use super::vector::Ray;
 use facets::Facets;
+use few::Few;
 use pulp::{Arch, Simd, WithSimd};
 use tree::Tree;
 
@@ -44,6 +53,7 @@ pub struct Caster {
 #[derive(Debug)]
 enum Flat {
     All(Facets),
+    Few(Few),
     Tree(Tree),
 }
 
@@ -51,7 +61,7 @@ impl Caster {
     /// For these facets and spheres. O(facets log facets).
     pub fn new(facets: &[Facet], spheres: Vec<Sphere>) -> Self {
         let flat = if facets.len() <= FEW {
-            Flat::All(Facets::new(facets))
+            Flat::Few(Few::new(facets))
         } else {
             Flat::Tree(Tree::new(facets))
         };
@@ -86,11 +96,36 @@ impl Caster {
         })
     }
 
-    /// The same inside a function that is compiled for wide registers.
+    /// The nearest things that the first `count` rays meet, each the same as [alone](Self::nearest), to the last bit. Inside a function that is compiled
+    /// for wide registers.
+    #[inline(always)]
+    pub fn nearest_of<S: Simd>(&self, simd: S, rays: &mut Rays, count: usize) {
+        let Flat::Few(few) = &self.flat else {
+            for at in 0..count {
+                let found = self.nearest_in(simd, &rays.ray(at), f64::INFINITY);
+                rays.meet(at, found);
+            }
+            return;
+        };
+        few.nearest_of(simd, rays, count);
+        if self.spheres.is_empty() {
+            return;
+        }
+        for at in 0..count {
+            let limit = rays.distance[at];
+            let found = spheres::nearest(&self.spheres, self.count as u32, &rays.ray(at), limit);
+            if found.is_some() {
+                rays.meet(at, found);
+            }
+        }
+    }
+
+    /// The same as [`nearest`](Self::nearest) inside such a function.
     #[inline(always)]
     pub fn nearest_in<S: Simd>(&self, simd: S, ray: &Ray, limit: f64) -> Option<Found> {
         let flat = match &self.flat {
             Flat::All(facets) => facets.nearest(simd, ray, limit),
+            Flat::Few(few) => few.nearest(ray, limit),
             Flat::Tree(tree) => tree.nearest(simd, ray, limit),
         };
         if self.spheres.is_empty() {

@@ -1,9 +1,10 @@
 //! Casters against a definition of their own: every triangle by the algorithm of Möller and Trumbore (1997), one after the other.
 
-use super::{Caster, Found};
-use crate::light::scene::Facet;
+use super::{Caster, Found, Rays, TOGETHER};
+use crate::light::scene::{Facet, Sphere};
 use crate::light::vector::{Ray, Vector};
 use crate::random::stream;
+use pulp::{Arch, Simd, WithSimd};
 use rand::RngExt;
 
 /// Where the ray meets one facet: by Cramer's rule, without any of the forms of `facets`.
@@ -106,6 +107,96 @@ fn every_caster_finds_what_is_nearest() {
     }
 }
 
+/// Rectangles in boxes, turned and not, among slanting pieces.
+fn furniture(seed: u64) -> Vec<Facet> {
+    let mut random = stream(seed, "furniture", 0);
+    let mut facets = clutter(9, seed);
+    for turn in 0..4 {
+        let mut vector =
+            |scale: f64| Vector::from_fn(|_, _| scale * (random.random::<f64>() - 0.5));
+        let corner = vector(2.0);
+        let (a, b) = (vector(1.0), vector(1.0));
+        let (a, b) = if turn == 0 {
+            (Vector::x(), Vector::y())
+        } else {
+            (a, b - a * (a.dot(&b) / a.norm_squared()))
+        };
+        let c = a.cross(&b);
+        let sides = [(a, b), (b, c), (c, a)];
+        for (side, across) in sides.into_iter().zip([c, a, b]) {
+            for origin in [corner, corner + across] {
+                facets.push(Facet {
+                    origin,
+                    first: side.0,
+                    second: side.1,
+                    triangle: false,
+                });
+            }
+        }
+    }
+    facets
+}
+
+struct Together<'t>(&'t Caster, &'t mut Rays, usize);
+
+impl WithSimd for Together<'_> {
+    type Output = ();
+
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.nearest_of(simd, self.1, self.2);
+    }
+}
+
+#[test]
+fn rays_together_meet_what_each_meets_alone() {
+    let sphere = Sphere::new(Vector::new(0.2, -0.1, 0.4), 0.3, false).expect("a sphere");
+    for seed in 0..6 {
+        let facets = furniture(seed);
+        let spheres = vec![sphere.clone(); (seed % 2) as usize];
+        let caster = Caster::new(&facets, spheres.clone());
+        let judge = Caster::exhaustive(&facets, spheres);
+        let mut random = stream(seed, "rays", 0);
+        let count = TOGETHER - 3;
+        let mut rays = Box::new(Rays::default());
+        for at in 0..count {
+            let mut vector = || Vector::from_fn(|_, _| 3.0 * (random.random::<f64>() - 0.5));
+            let mut ray = Ray::new(vector(), vector().normalize());
+            if at % 3 == 0 {
+                ray.direction = Vector::ith(at % 2, if at % 6 == 0 { 1.0 } else { -1.0 });
+            }
+            if at % 2 == 0 {
+                let number = at % facets.len();
+                ray.origin = facets[number].place(0.4, 0.2);
+                ray.leaving = Some(number as u32);
+            }
+            rays.set(at, &ray);
+            assert_eq!(rays.ray(at), ray);
+        }
+        for arch in [Arch::new(), Arch::Scalar] {
+            arch.dispatch(Together(&caster, &mut rays, count));
+            let mut met = 0;
+            for at in 0..count {
+                let alone = caster.nearest(&rays.ray(at), f64::INFINITY);
+                let bits =
+                    |found: Option<Found>| found.map(|f| (f.primitive, f.distance.to_bits()));
+                assert_eq!(bits(rays.found(at)), bits(alone), "{at}");
+                // and that is what trying each facet finds
+                let judged = judge.nearest(&rays.ray(at), f64::INFINITY);
+                match (alone, judged) {
+                    (Some(a), Some(b)) => {
+                        met += 1;
+                        assert!((a.distance - b.distance).abs() < 1e-9, "{at}: {a:?} {b:?}");
+                        assert_eq!(a.primitive, b.primitive, "{at}");
+                    }
+                    (None, None) => {}
+                    _ => panic!("{at}: {alone:?} {judged:?}"),
+                }
+            }
+            assert!(met > count / 5, "{met}");
+        }
+    }
+}
+
 #[test]
 fn the_tree_of_equal_facets_is_no_endless_one() {
     let facet = clutter(2, 9)[1];
@@ -115,6 +206,38 @@ fn the_tree_of_equal_facets_is_no_endless_one() {
     let ray = Ray::new(towards + facet.normal(), -facet.normal());
     let found = caster.nearest(&ray, f64::INFINITY).expect("a hit");
     assert!((found.distance - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn no_ray_slips_through_the_edges_of_a_turned_box() {
+    let (a, b) = (Vector::new(1.1, 0.3, -0.2), Vector::new(-0.3, 1.1, 0.0));
+    let b = b - a * (a.dot(&b) / a.norm_squared());
+    let c = a.cross(&b);
+    let corner = Vector::new(-7.0, 3.0, 11.0);
+    let mut facets = Vec::new();
+    for (first, second, across) in [(a, b, c), (b, c, a), (c, a, b)] {
+        for origin in [corner, corner + across] {
+            facets.push(Facet {
+                origin,
+                first,
+                second,
+                triangle: false,
+            });
+        }
+    }
+    let caster = Caster::new(&facets, Vec::new());
+    let origin = corner + a * 0.3 + b * 0.6 + c * 0.45;
+    for i in 0..=60 {
+        let share = f64::from(i) / 60.0;
+        for (along, one, two) in [(a, b, c), (b, c, a), (c, a, b)] {
+            for (s, t) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
+                let target = corner + along * share + one * s + two * t;
+                let ray = Ray::new(origin, (target - origin).normalize());
+                let found = caster.nearest(&ray, f64::INFINITY).expect("it is closed");
+                assert!((found.distance - (target - origin).norm()).abs() < 1e-9);
+            }
+        }
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@
 #![allow(clippy::inline_always)]
 
 use super::Found;
-use super::facets::{Beam, Best, Group, LANES};
+use super::facets::{Best, Group, LANES, Spread};
 use crate::light::scene::Facet;
 use crate::light::vector::Ray;
 use pulp::Simd;
@@ -225,7 +225,7 @@ impl Tree {
         // finite, as 0 × ∞ on the side of a box would be no number
         let inverse = [ray.direction.x, ray.direction.y, ray.direction.z]
             .map(|x| x.recip().clamp(-f64::MAX, f64::MAX));
-        let beam = Beam::new(simd, ray);
+        let beam = Spread::new(simd, ray);
         let mut found: Option<Found> = None;
         let mut limit = limit;
         let mut waiting = [(0u32, 0.0f64); DEEPEST];

@@ -12,6 +12,7 @@ use super::patch::{Patch, patches};
 use super::system::Unbalanced;
 use super::transfer::form_factors;
 use crate::light::cie;
+use crate::light::emission::bands;
 use crate::light::scene::{Scene, Shape, Surface};
 use crate::light::spectrum::Colour;
 use crate::light::vector::Vector;
@@ -206,9 +207,6 @@ impl Channel {
     }
 }
 
-/// Width of a band in nm: colour matching functions are integrated to 0.1 % so. [CIE 15:2018, 7.2.2.2]
-const BAND: f64 = 10.0;
-
 /// The transports of a scene: one for each channel, or for each band in which a lamp shines, recorded as X, Y and Z.
 fn channels(scene: &Scene) -> Vec<Channel> {
     if scene.colour == Colour::Rgb {
@@ -221,20 +219,14 @@ fn channels(scene: &Scene) -> Vec<Channel> {
     }
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for emission in scene.surfaces().iter().filter_map(|s| s.emission.as_ref()) {
-        let table = emission.table();
-        let rows = table.rows();
-        low = low.min(rows[0][0]);
-        high = high.max(rows[rows.len() - 1][0]);
+        let ends = emission.table().ends();
+        low = low.min(ends[0]);
+        high = high.max(ends[1]);
     }
-    let count = ((high - low) / BAND).ceil().max(1.0) as usize;
-    let width = (high - low) / count as f64;
-    (0..count)
-        .map(|band| {
-            let wavelength = (band as f64 + 0.5).mul_add(width, low);
-            Channel {
-                which: Err(wavelength),
-                shares: cie::tristimulus(wavelength).map(|value| value * width),
-            }
+    bands([low, high])
+        .map(|(wavelength, width)| Channel {
+            which: Err(wavelength),
+            shares: cie::tristimulus(wavelength).map(|value| value * width),
         })
         .collect()
 }

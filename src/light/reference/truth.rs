@@ -20,7 +20,7 @@ pub struct Reference {
 }
 
 /// Patches of the fine level: the mean irradiance of each wall of the Cornell box with blocks is then right to 0.5 % (against traced paths; the
-/// faces of the blocks that see little but shadows: 2 %), see `benches/evidence/light.rs`.
+/// faces of the blocks that see little but shadows: 2 %), see `benches/evidence/light/`.
 const PATCHES: usize = 2400;
 /// Paths for the irradiance at one place: 2 % in a room lit by a small lamp.
 pub const PATHS: usize = 4096;

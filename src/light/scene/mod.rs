@@ -11,7 +11,7 @@ mod object;
 pub mod read;
 pub mod shape;
 
-pub use shape::{Facet, Mesh, Planar, Shape, Sphere};
+pub use shape::{Chart, Facet, Mesh, Planar, Shape, Sphere};
 
 use super::emission::Emission;
 use super::material::Material;
@@ -193,6 +193,11 @@ impl Scene {
             .iter()
             .position(|&primitive| primitive == wanted)
             .map(|at| at as u32)
+    }
+
+    /// The surface and the part of it that each primitive is, in their order.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.primitives.len()).map(|primitive| self.part(primitive as u32))
     }
 
     /// The surface and the part of it that a primitive is.

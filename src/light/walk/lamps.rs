@@ -2,17 +2,19 @@
 
 use super::carried::{Carried, Channels, Wave};
 use crate::light::emission::{Emission, Wavelengths};
-use crate::light::material::cosine_direction;
 use crate::light::scene::Scene;
 use crate::light::spectrum::Colour;
-use crate::light::vector::Ray;
-use crate::random::Stream;
-use rand::RngExt;
+use crate::light::vector::Vector;
+use rand::{Rng, RngExt};
 
 /// A photon about to leave its lamp.
 #[derive(Clone, Copy)]
 pub(super) struct Start<L> {
-    pub(super) ray: Ray,
+    pub(super) origin: Vector,
+    /// About which its direction has the cosine for its density.
+    pub(super) normal: Vector,
+    /// As in [`Ray::leaving`](crate::light::vector::Ray::leaving).
+    pub(super) leaving: u32,
     pub(super) light: L,
 }
 
@@ -27,6 +29,8 @@ pub(super) struct Lamps {
 #[derive(Debug)]
 struct Lamp {
     surface: usize,
+    /// The number of its first primitive; those of its other parts follow.
+    primitive: u32,
     /// The share of its power in each channel.
     shares: [f64; 3],
     /// Only over wavelengths.
@@ -35,7 +39,7 @@ struct Lamp {
 
 /// Light that a lamp can give.
 pub(super) trait Given: Carried {
-    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut Stream) -> Self;
+    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut impl Rng) -> Self;
 }
 
 impl Lamps {
@@ -55,6 +59,7 @@ impl Lamps {
             cumulative.push(sum);
             lamps.push(Lamp {
                 surface,
+                primitive: scene.primitive(surface, 0).unwrap_or(0),
                 shares,
                 wavelengths: (scene.colour == Colour::Spectral)
                     .then(|| Wavelengths::new(emission.table())),
@@ -74,7 +79,7 @@ impl Lamps {
         &self,
         scene: &Scene,
         paths: u64,
-        random: &mut Stream,
+        random: &mut impl Rng,
     ) -> Start<L> {
         let chosen = if self.lamps.len() == 1 {
             0
@@ -87,14 +92,12 @@ impl Lamps {
         let surface = self.lamps[chosen].surface;
         let shape = &scene.surfaces()[surface].shape;
         let light = L::given(self, chosen, self.total() / paths as f64, random);
-        let [choice, s, t, u, v] = std::array::from_fn(|_| random.random::<f64>());
+        let (choice, s, t) = (random.random(), random.random(), random.random());
         let (part, origin) = shape.draw(choice, s, t);
         Start {
-            ray: Ray {
-                origin,
-                direction: cosine_direction(shape.normal(part, origin), u, v),
-                leaving: scene.primitive(surface, part),
-            },
+            origin,
+            normal: shape.normal(part, origin),
+            leaving: self.lamps[chosen].primitive + part as u32,
             light,
         }
     }
@@ -114,14 +117,14 @@ fn power(emission: &Emission, colour: Colour) -> (f64, [f64; 3]) {
 
 impl Given for Channels {
     #[inline(always)]
-    fn given(lamps: &Lamps, lamp: usize, power: f64, _random: &mut Stream) -> Self {
+    fn given(lamps: &Lamps, lamp: usize, power: f64, _random: &mut impl Rng) -> Self {
         Self(lamps.lamps[lamp].shares.map(|share| share * power))
     }
 }
 
 impl Given for Wave {
     #[inline(always)]
-    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut Stream) -> Self {
+    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut impl Rng) -> Self {
         let wavelengths = lamps.lamps[lamp].wavelengths.as_ref();
         let wavelength = wavelengths.map_or(0.0, |drawer| drawer.at(random.random()));
         Self::new(power, wavelength)

@@ -11,28 +11,44 @@
 //! photon would keep, q = Σ w ρ / Σ w, and what survives carries w ρ / q: each channel is right on the average, and the total power of a photon
 //! never changes.
 //!
-//! Paths come in blocks, each with a random stream of its own: results are the same for any number of threads.
+//! Paths come in blocks, each with a random stream of its own: results are the same for any number of threads. Within a block they go in groups,
+//! all photons of a group step by step; what a photon does is the same to the last bit whatever the registers of the machine.
+//!
+//! | file | what |
+//! |---|---|
+//! | `lamps` | where photons come from |
+//! | `carried` | what they carry |
+//! | `group` | their steps |
+//! | `power` | what a surface leaves of their power |
+//! | `words` | random words by the thousand |
 // code compiled for wide registers must end up inside the function that `pulp` compiles for them
 #![allow(clippy::inline_always)]
 
 mod carried;
+mod group;
 mod lamps;
 #[cfg(test)]
+mod plain;
+mod power;
+#[cfg(test)]
 mod tests;
+mod words;
+
+pub use power::Power;
 
 use super::hits::{Hits, Record};
 use super::ledger::{Ledger, LedgerError};
-use super::material::Material;
+use super::ray::TOGETHER;
 use super::scene::Scene;
 use super::spectrum::Colour;
-use super::vector::Ray;
 use crate::memory::{self, TooLarge};
-use crate::random::{Stream, stream};
-use carried::{Carried, Channels, Wave};
-use lamps::{Given, Lamps, Start};
+use crate::random::stream;
+use carried::{Channels, Wave};
+use group::{Face, Group};
+use lamps::{Given, Lamps};
 use pulp::{Arch, Simd, WithSimd};
-use rand::RngExt;
 use rayon::prelude::*;
+use words::Words;
 
 /// Paths in a block.
 pub const BLOCK: u64 = 4096;
@@ -40,22 +56,6 @@ pub const BLOCK: u64 = 4096;
 pub const PATHS: u64 = 4_000_000_000;
 /// Blocks traced before their hits are sorted to surfaces.
 const BATCH: u64 = 64;
-
-/// What happens to the power of a photon at a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Power {
-    /// Always the same: the photon survives with the share of its power that is reflected.
-    #[default]
-    Same,
-    /// Attenuated: the photon goes on with what is reflected. Once that is below `threshold` of its first power it is killed with
-    /// probability `kill`, or goes on with its power divided by 1 − `kill` (Russian roulette).
-    Attenuated {
-        /// As a share of the first power.
-        threshold: f64,
-        /// From 0 to below 1.
-        kill: f64,
-    },
-}
 
 /// Why there are no hits.
 #[derive(Debug, thiserror::Error)]
@@ -90,7 +90,10 @@ pub enum WalkError {
 #[derive(Debug)]
 pub struct Walk<'s> {
     scene: &'s Scene,
+    faces: Vec<Face<'s>>,
     lamps: Lamps,
+    /// The power with which photons leave their lamps.
+    first: f64,
     power: Power,
     paths: u64,
     seed: u64,
@@ -123,8 +126,11 @@ impl<'s> Walk<'s> {
         {
             return Err(WalkError::Roulette { threshold, kill });
         }
+        let lamps = Lamps::new(scene);
         Ok(Self {
-            lamps: Lamps::new(scene),
+            first: lamps.total() / paths as f64,
+            lamps,
+            faces: Face::all(scene),
             scene,
             power,
             paths,
@@ -216,7 +222,7 @@ impl<L: Given> WithSimd for Task<'_, L> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Trace {
         let walk = self.walk;
-        let mut random = stream(walk.seed, "photon", self.block);
+        let mut words = Words::of(stream(walk.seed, "photon", self.block));
         let first = self.block * BLOCK;
         let last = (first + BLOCK).min(walk.paths);
         let mut trace = Trace {
@@ -224,151 +230,16 @@ impl<L: Given> WithSimd for Task<'_, L> {
             astray: Vec::new(),
             ledger: Ledger::default(),
         };
-        for path in first..last {
-            let start = walk.lamps.start::<L>(walk.scene, walk.paths, &mut random);
-            follow(simd, walk, start, path as u32, &mut random, &mut trace);
+        let mut group = Group::<L>::new();
+        let mut next = first;
+        while next < last {
+            let end = (next + TOGETHER as u64).min(last);
+            group.follow(simd, walk, next..end, &mut words, &mut trace);
+            next = end;
         }
+        trace.astray.sort_unstable();
         trace.ledger.paths = last - first;
         trace.ledger.hits = trace.records.len() as u64;
         trace
-    }
-}
-
-/// Follows one photon to its end.
-#[inline(always)]
-fn follow<S: Simd, L: Carried>(
-    simd: S,
-    walk: &Walk<'_>,
-    start: Start<L>,
-    path: u32,
-    random: &mut Stream,
-    trace: &mut Trace,
-) {
-    let Trace {
-        records,
-        astray,
-        ledger,
-    } = trace;
-    let scene = walk.scene;
-    let Start { mut ray, mut light } = start;
-    let first_power = light.power();
-    ledger.emitted += first_power;
-    let mut bounce: u16 = 0;
-    loop {
-        ledger.segments += 1;
-        let Some(found) = scene.caster().nearest_in(simd, &ray, f64::INFINITY) else {
-            ledger.escaped += light.power();
-            ledger.left += 1;
-            astray.push(path);
-            return;
-        };
-        let (surface, part) = scene.part(found.primitive);
-        let about = &scene.surfaces()[surface];
-        let place = ray.at(found.distance);
-        let normal = about.shape.normal(part, place);
-        let front = ray.direction.dot(&normal) < 0.0;
-        let material = &*about.material;
-        if !(front || material.is_clear()) {
-            ledger.behind += light.power();
-            astray.push(path);
-            break;
-        }
-        if bounce == u16::MAX {
-            ledger.endless += light.power();
-            break;
-        }
-        bounce += 1;
-        if front {
-            records.push(Record::new(
-                about.shape.raw_coordinates(part, place),
-                if walk.returned {
-                    light.reflected(material.reflectance(), 1.0).flux()
-                } else {
-                    light.flux()
-                },
-                (path, bounce),
-                (surface, part),
-                ray.direction,
-            ));
-        }
-        let direction = if let Material::Lambertian(diffuse) = material {
-            // the direction is drawn only for those that go on
-            let Some(kept) = decide(
-                walk.power,
-                light,
-                light.reflected(&diffuse.reflectance, 1.0),
-                first_power,
-                random,
-                ledger,
-            ) else {
-                break;
-            };
-            light = kept;
-            material
-                .scatter(ray.direction, normal, front, random)
-                .direction
-        } else {
-            let scattered = material.scatter(ray.direction, normal, front, random);
-            let reflected = light.reflected(material.reflectance(), scattered.factor);
-            let Some(kept) = decide(walk.power, light, reflected, first_power, random, ledger)
-            else {
-                break;
-            };
-            light = kept;
-            scattered.direction
-        };
-        ray = Ray {
-            origin: place,
-            direction,
-            leaving: Some(found.primitive),
-        };
-    }
-    ledger.ended += 1;
-}
-
-/// Whether a photon goes on, and with what, where `reflected` is what is left of `light`. The ledger is told.
-#[inline(always)]
-fn decide<L: Carried>(
-    scheme: Power,
-    light: L,
-    reflected: L,
-    first_power: f64,
-    random: &mut Stream,
-    ledger: &mut Ledger,
-) -> Option<L> {
-    let (before, after) = (light.power(), reflected.power());
-    match scheme {
-        Power::Same => {
-            let share = after / before;
-            if share >= 1.0 {
-                return Some(reflected);
-            }
-            if random.random::<f64>() < share {
-                let kept = reflected.scaled(share.recip());
-                // rounding is booked as it happens
-                ledger.absorbed += before - kept.power();
-                Some(kept)
-            } else {
-                ledger.absorbed += before;
-                None
-            }
-        }
-        Power::Attenuated { threshold, kill } => {
-            ledger.absorbed += before - after;
-            if after <= 0.0 {
-                return None;
-            }
-            if after >= threshold * first_power {
-                return Some(reflected);
-            }
-            if random.random::<f64>() < kill {
-                ledger.roulette += after;
-                None
-            } else {
-                let kept = reflected.scaled((1.0 - kill).recip());
-                ledger.roulette += after - kept.power();
-                Some(kept)
-            }
-        }
     }
 }

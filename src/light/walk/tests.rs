@@ -6,6 +6,7 @@ use super::*;
 use crate::light::chance;
 use crate::light::scene::{Scene, read};
 use crate::light::spectrum::Spectrum;
+use rand::Rng;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -221,7 +222,7 @@ impl Carried for MeanAlbedo {
 }
 
 impl Given for MeanAlbedo {
-    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut crate::random::Stream) -> Self {
+    fn given(lamps: &Lamps, lamp: usize, power: f64, random: &mut impl Rng) -> Self {
         Self(Channels::given(lamps, lamp, power, random))
     }
 }

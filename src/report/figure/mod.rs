@@ -11,6 +11,7 @@
 //! | [`Sweep`] | how do bias² and variance trade against each other as the bandwidth grows? |
 //! | [`Modes`] | how often does each estimator show how many modes? |
 //! | [`HeatMaps`] | what does a density of the plane, or an error, look like? |
+//! | [`Photographs`] | what does a scene look like in the light of each? |
 //! | [`Dots`] | how do a few numbers near each other (efficiencies) compare? |
 //!
 //! Layers, bottom up: `backend` writes SVG for plotters, `canvas` draws on it in pixels and keeps data inside their frame
@@ -30,6 +31,7 @@ mod modes;
 mod multiples;
 mod panel;
 mod path;
+mod photographs;
 mod pieces;
 mod pixels;
 mod rows;
@@ -45,6 +47,7 @@ pub use heatmap::{HeatMaps, Map};
 pub use modes::{ModeCounts, Modes};
 pub use multiples::{Multiples, Small};
 pub use panel::Frame;
+pub use photographs::{Photograph, Photographs};
 pub use pieces::Piece;
 pub use scale::Scale;
 pub use sweep::{Measured, Part, Sweep, Trace};

@@ -14,7 +14,7 @@ mod planar;
 mod sphere;
 
 pub use mesh::{Mesh, MeshError};
-pub use planar::{Planar, PlanarError};
+pub use planar::{Chart, Planar, PlanarError};
 pub use sphere::{Sphere, SphereError};
 
 use super::super::vector::Vector;

@@ -1,4 +1,6 @@
 //! Flat quads and triangles.
+// code compiled for wide registers must end up inside the function that `pulp` compiles for them
+#![allow(clippy::inline_always)]
 
 use super::{Facet, Vector, chosen, cumulative};
 use crate::space::{Domain, Point, PolygonError, Side};
@@ -14,6 +16,28 @@ pub struct Planar {
     domain: Domain<2>,
     /// Only where the chart is not a rectangle.
     outline: Vec<Point<2>>,
+    chart: Chart,
+}
+
+/// The coordinates (u, v) of places in a plane, each a linear form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chart([[f64; 4]; 2]);
+
+impl Chart {
+    fn new(axes: &[Vector; 2], corner: Vector) -> Self {
+        Self(axes.map(|axis| [axis.x, axis.y, axis.z, -axis.dot(&corner)]))
+    }
+
+    /// Those of a place, left where rounding puts them.
+    #[inline(always)]
+    pub fn coordinates(&self, place: Vector) -> [f64; 2] {
+        [Self::form(&self.0[0], place), Self::form(&self.0[1], place)]
+    }
+
+    #[inline(always)]
+    fn form(&[x, y, z, offset]: &[f64; 4], place: Vector) -> f64 {
+        z.mul_add(place.z, y.mul_add(place.y, x.mul_add(place.x, offset)))
+    }
 }
 
 /// Why corners make no flat piece.
@@ -132,6 +156,7 @@ impl Planar {
             _ => vec![facet(0, 1, 2, true)],
         };
         Ok(Self {
+            chart: Chart::new(&axes, corners[0]),
             corners: corners.to_vec(),
             axes,
             normal: if turned { -plane } else { plane },
@@ -150,6 +175,11 @@ impl Planar {
     /// The directions of u and v, of length 1 and perpendicular.
     pub fn axes(&self) -> [Vector; 2] {
         self.axes
+    }
+
+    /// The coordinates of its places.
+    pub fn chart(&self) -> Chart {
+        self.chart
     }
 
     /// The direction in which the front looks.
@@ -177,8 +207,7 @@ impl Planar {
 
     #[inline]
     pub(super) fn raw_coordinates(&self, place: Vector) -> [f64; 2] {
-        let from = place - self.corners[0];
-        [self.axes[0].dot(&from), self.axes[1].dot(&from)]
+        self.chart.coordinates(place)
     }
 
     #[inline]
