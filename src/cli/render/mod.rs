@@ -216,7 +216,7 @@ impl Render {
         let hits = light::walk(scene, photons, self.seed, true)?;
         let walk = begin.elapsed().as_secs_f64();
         let mut shown = Vec::new();
-        for (estimator, text) in estimators.iter().zip(&self.estimator) {
+        for (number, estimator) in estimators.iter().enumerate() {
             let begin = Instant::now();
             let estimated = Estimated::fit(&**estimator, scene.surfaces().len(), &hits);
             let estimated = estimated.map_err(|error| Stop::Input(error.to_string()))?;
@@ -224,12 +224,23 @@ impl Render {
                 notes.warn(&warning);
             }
             shown.push(Shown {
-                name: text.split_whitespace().collect::<Vec<_>>().join(" "),
+                name: self.name(number),
                 image: shot.lit_by(&estimated),
                 seconds: walk + begin.elapsed().as_secs_f64(),
             });
         }
         Ok(shown)
+    }
+
+    /// The kind of an estimator, numbered where there are several.
+    fn name(&self, number: usize) -> String {
+        let text = &self.estimator[number];
+        let kind = text.split('=').next().unwrap_or(text).trim();
+        if self.estimator.len() > 1 {
+            format!("{}: {kind}", number + 1)
+        } else {
+            kind.to_owned()
+        }
     }
 
     fn origin(&self, scene: &Scene) -> Origin {
@@ -256,16 +267,20 @@ impl Render {
             self.seed,
             quoted(&self.output.display().to_string())
         );
+        let estimators = self.estimator.iter().enumerate().map(|(number, text)| {
+            let words: Vec<&str> = text.split_whitespace().collect();
+            (self.name(number), words.join(" "))
+        });
+        let facts: [(String, String); 4] = [
+            ("scene", file),
+            ("photons", photons.to_string()),
+            ("rays a pixel", u32::from(self.rays).pow(2).to_string()),
+            ("seed", self.seed.to_string()),
+        ]
+        .map(|(name, value): (&str, String)| (name.to_owned(), value));
         Origin {
             scene: format!("“{title}”"),
-            facts: [
-                ("scene", file),
-                ("photons", photons.to_string()),
-                ("rays a pixel", u32::from(self.rays).pow(2).to_string()),
-                ("seed", self.seed.to_string()),
-            ]
-            .map(|(name, value)| (name.to_owned(), value))
-            .to_vec(),
+            facts: facts.into_iter().chain(estimators).collect(),
             command,
         }
     }

@@ -229,7 +229,7 @@ fn what_ends_on_a_back_has_survived_the_wall_before() {
     let mass = |score: &str, walk: u64| {
         let values = [("score", Value::Word(score.to_owned()))];
         let source = photons_on(&scene, ceiling, &values).expect("legal");
-        let sample = source.sample(8_000, &mut random::stream(8, "test", walk));
+        let sample = source.sample(40_000, &mut random::stream(8, "test", walk));
         sample.expect("hits").mass()
     };
     for score in ["survival", "absorption"] {

@@ -9,7 +9,7 @@ use plotters::style::RGBColor;
 /// A part of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piece {
-    /// Its name.
+    /// Its name; may be empty.
     pub name: String,
     /// Its corners in order.
     pub corners: Vec<[f64; 2]>,
@@ -28,7 +28,7 @@ pub(super) fn outlined(pieces: &[Piece], canvas: &Canvas, panel: &Panel<'_>) {
         let bottom = corners.iter().map(|p| frame.down(p[1]));
         let bottom = bottom.fold(f64::NEG_INFINITY, f64::max);
         let room = width(name, 0.85 * style::TICK) + 6.0;
-        if room > right - left {
+        if name.is_empty() || room > right - left {
             continue;
         }
         let middle = 0.5 * (left + right);
