@@ -42,6 +42,7 @@ impl Form {
 /// A facet that is no rectangle.
 #[derive(Clone, Copy, Debug)]
 struct Oblique {
+    above: Form,
     below: Form,
     first: Form,
     second: Form,
@@ -56,6 +57,7 @@ impl Oblique {
         let square = normal.norm_squared();
         let form = |slope: Vector| Form::new(slope, facet.origin);
         Self {
+            above: form(normal / square.sqrt()),
             below: form(-normal / square.sqrt()),
             first: form(facet.second.cross(&normal) / square),
             second: form(normal.cross(&facet.first) / square),
@@ -69,8 +71,9 @@ impl Oblique {
         let low = simd.splat_f64s(-REACH);
         let high = simd.splat_f64s(1.0 + REACH);
         let below = self.below.at(simd, &beam.origin);
-        let across = self.below.along(simd, &beam.direction);
-        let distance = simd.div_f64s(simd.neg_f64s(below), across);
+        // a minus would be a call
+        let across = self.above.along(simd, &beam.direction);
+        let distance = simd.div_f64s(below, across);
         let (o, d) = (&beam.origin, &beam.direction);
         let place = [
             simd.mul_add_f64s(distance, d[0], o[0]),

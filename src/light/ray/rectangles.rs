@@ -20,7 +20,8 @@ struct Rectangle {
     level: f64,
     /// Along the next two directions.
     middle: [f64; 2],
-    half: [f64; 2],
+    /// The squares of half the edges.
+    square: [f64; 2],
     number: f64,
 }
 
@@ -61,9 +62,9 @@ impl Rectangles {
         one.across[k].push(Rectangle {
             level: one.axes[k].dot(&middle),
             middle: next.map(|axis| axis.dot(&middle)),
-            half: next.map(|axis| {
+            square: next.map(|axis| {
                 let edges = axis.dot(&facet.first).abs() + axis.dot(&facet.second).abs();
-                0.5 * edges * (1.0 + 2.0 * REACH)
+                (0.5 * edges * (1.0 + 2.0 * REACH)).powi(2)
             }),
             number: f64::from(number),
         });
@@ -121,13 +122,14 @@ fn across<S: Simd, const K: usize>(
         ];
         let u = simd.mul_add_f64s(distance, d[i], simd.sub_f64s(o[i], u));
         let v = simd.mul_add_f64s(distance, d[j], simd.sub_f64s(o[j], v));
+        // squares, as absolute values would be calls
         let (width, height) = (
-            simd.splat_f64s(rectangle.half[0]),
-            simd.splat_f64s(rectangle.half[1]),
+            simd.splat_f64s(rectangle.square[0]),
+            simd.splat_f64s(rectangle.square[1]),
         );
         let met = simd.and_m64s(
-            simd.less_than_or_equal_f64s(simd.abs_f64s(u), width),
-            simd.less_than_or_equal_f64s(simd.abs_f64s(v), height),
+            simd.less_than_or_equal_f64s(simd.mul_f64s(u, u), width),
+            simd.less_than_or_equal_f64s(simd.mul_f64s(v, v), height),
         );
         best.take(simd, met, distance, simd.splat_f64s(rectangle.number), beam);
     }
