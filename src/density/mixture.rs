@@ -144,7 +144,7 @@ impl WithSimd for Place<'_> {
             for (share, (mean, deviation)) in self.shares.iter_mut().zip(chosen) {
                 let left = *share - part.weight;
                 // once below zero it stays there; a mask and no branch, which would be guessed wrong half of the time
-                let here = u64::from((*share >= 0.0) & (left < 0.0)).wrapping_neg();
+                let here = (u64::from(*share >= 0.0) & u64::from(left < 0.0)).wrapping_neg();
                 *mean = masked(here, part.mean, *mean);
                 *deviation = masked(here, part.deviation, *deviation);
                 *share = left;

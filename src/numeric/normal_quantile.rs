@@ -26,7 +26,7 @@ const CENTRE: Rational = Rational {
         1.373_169_376_550_946e4,
         4.592_195_393_154_987e4,
         6.726_577_092_700_87e4,
-        3.343_057_558_358_812_7e4,
+        3.343_057_558_358_813e4,
         2.509_080_928_730_122_6e3,
     ],
     denominator: [
@@ -84,7 +84,7 @@ const FAR: Rational = Rational {
         1.487_536_129_085_061_5e-2,
         7.868_691_311_456_133e-4,
         1.846_318_317_510_054_7e-5,
-        1.421_511_758_316_445_9e-7,
+        1.421_511_758_316_446e-7,
         2.044_263_103_389_939_8e-15,
     ],
 };
@@ -158,8 +158,8 @@ impl WithSimd for Many<'_> {
             for (i, (q, p)) in away.iter().zip(&*chunk).enumerate() {
                 places[many] = i as u16;
                 roots[many] = if *q < 0.0 { *p } else { 1.0 - *p };
-                // not `>`: what is no number belongs there
-                many += usize::from(!(q.abs() <= MIDDLE));
+                // what is no number belongs there
+                many += usize::from(q.abs() > MIDDLE) | usize::from(q.is_nan());
             }
             for (z, q) in chunk.iter_mut().zip(&*away) {
                 *z = centre(*q);

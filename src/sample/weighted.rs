@@ -362,8 +362,8 @@ fn in_box<const D: usize>(points: &[Point<D>], domain: &Domain<D>) -> bool {
         for point in points {
             for axis in 0..D {
                 let x = point[axis];
-                let right = (low[axis] <= x) & (x <= high[axis]) & (x.abs() < f64::INFINITY);
-                wrong |= u64::from(!right);
+                let right = u64::from(low[axis] <= x) & u64::from(x <= high[axis]);
+                wrong |= 1 - (right & u64::from(x.is_finite()));
             }
         }
         wrong == 0

@@ -167,7 +167,8 @@ impl Setting {
             cells * 16.0,
         ];
         // cells are numbered in 32 bits, and every place is a whole number of cells from zero
-        if tables.iter().any(|&size| !(size <= MOST)) || far / self.cell > (1u64 << 49) as f64 {
+        let fits = tables.iter().all(|&size| size <= MOST);
+        if !fits || far / self.cell > (1u64 << 49) as f64 {
             return (f64::INFINITY, f64::INFINITY);
         }
         // measured on one thread

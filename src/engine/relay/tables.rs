@@ -192,13 +192,13 @@ impl Tables {
     /// Σ w φ((x - X)/h) at the targets, times `scale`; each point counts 1 without `weights`.
     pub fn values(&self, points: &[f64], weights: Option<&[f64]>, scale: f64) -> Vec<f64> {
         match self.setting.moments {
-            4 => self.from_cells(&moments::<4>(points, weights, self.lattice), scale),
-            8 => self.from_cells(&moments::<8>(points, weights, self.lattice), scale),
-            _ => self.from_cells(&moments::<16>(points, weights, self.lattice), scale),
+            4 => self.hand_on(&moments::<4>(points, weights, self.lattice), scale),
+            8 => self.hand_on(&moments::<8>(points, weights, self.lattice), scale),
+            _ => self.hand_on(&moments::<16>(points, weights, self.lattice), scale),
         }
     }
 
-    fn from_cells<const M: usize>(&self, cells: &[[f64; M]], scale: f64) -> Vec<f64> {
+    fn hand_on<const M: usize>(&self, cells: &[[f64; M]], scale: f64) -> Vec<f64> {
         let mut nodes = vec![0.0; self.nodes];
         let mut values = vec![0.0; self.starts.len() * GROUP];
         Arch::new().dispatch(HandOn {

@@ -116,6 +116,10 @@ struct Scatter<'a, const QUADS: usize> {
 impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
     type Output = Vec<Line>;
 
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one loop, with an arm for each layout of a row"
+    )]
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<Line> {
         let Self {

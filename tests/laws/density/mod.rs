@@ -68,6 +68,21 @@ fn all() -> Vec<(String, Arc<dyn Univariate>)> {
     all
 }
 
+/// Many draws are those of one at a time, to the bit, and leave the stream where those do.
+#[test]
+fn many_draws_are_those_of_one_at_a_time() {
+    for (name, truth) in all() {
+        for many in [0, 1, 255, 256, 600] {
+            let (mut one, mut together) = (stream(7, "sample", 1), stream(7, "sample", 1));
+            for x in truth.draws(many, &mut together) {
+                let [alone] = truth.draw(&mut one);
+                assert_eq!(x[0].to_bits(), alone.to_bits(), "{name}");
+            }
+            assert_eq!(truth.draw(&mut together), truth.draw(&mut one), "{name}");
+        }
+    }
+}
+
 #[test]
 fn first_draws_are_frozen() {
     let mut table = String::new();
