@@ -117,7 +117,8 @@ impl Tables {
         let groups = targets.div_ceil(GROUP);
         let mut starts = Vec::with_capacity(groups);
         let mut to_targets = Vec::with_capacity(groups * of_targets);
-        let factor = gap * setting.bandwidth / wide / narrow;
+        // in this order nothing overflows, whatever the unit
+        let factor = (gap / wide) * (setting.bandwidth / narrow);
         let decay: Vec<f64> = (0..of_targets)
             .map(|k| (-0.5 * (k as f64 * gap / narrow).powi(2)).exp())
             .collect();
