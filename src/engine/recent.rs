@@ -129,7 +129,7 @@ mod tests {
             }
         }
         let told: std::collections::BTreeSet<String> =
-            plans.iter().map(|p| p.to_string()).collect();
+            plans.iter().map(ToString::to_string).collect();
         assert!(told.len() > 8, "{}", told.len());
     }
 }

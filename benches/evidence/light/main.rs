@@ -58,6 +58,10 @@ fn place(name: &str) -> PathBuf {
         .join(name)
 }
 
+/// A scene that comes with the project.
+///
+/// # Panics
+/// If it cannot be read.
 pub fn scene(name: &str) -> Arc<Scene> {
     match read::scene(&place(name)) {
         Ok(scene) => Arc::new(scene),
@@ -66,6 +70,9 @@ pub fn scene(name: &str) -> Arc<Scene> {
 }
 
 /// The same with something changed.
+///
+/// # Panics
+/// If there is nothing to change, or the result is no scene.
 pub fn scene_with(name: &str, from: &str, to: &str) -> Scene {
     let text = std::fs::read_to_string(place(name)).expect("readable");
     assert!(text.contains(from), "{from}");

@@ -43,7 +43,8 @@ fn it_keeps_its_bound_at_every_tolerance_bandwidth_and_place() {
             let points: Vec<Point<1>> = (0..n)
                 .map(|_| [scale * (far + random.random_range(-2.0..2.0_f64).powi(3))])
                 .collect();
-            let weights = (trial % 2 == 1).then(|| (0..n).map(|i| (i % 5) as f64 + 0.1).collect());
+            let weights =
+                (trial % 2 == 1).then(|| (0..n).map(|i| f64::from(i % 5) + 0.1).collect());
             let sum = sum(points, weights, h);
             let cells = [1, 7, 64, 333][(trial + round) % 4];
             let grid = Grid::new([scale * (far - 2.5)], [scale * (far + 2.0)], [cells]).unwrap();

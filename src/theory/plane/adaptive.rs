@@ -136,6 +136,7 @@ mod tests {
     /// Widths that grow along one axis alone, h = a + b y₁ between bends, in the middle of a flat square: against a fine midpoint sum.
     #[test]
     fn widths_that_change_agree_with_a_fine_sum() {
+        const STEPS: usize = 1200;
         let truth = named_in_plane("uniform-2d").expect("in the catalogue");
         let width = |y: Point<2>| (0.1 + 0.2 * y[0]).clamp(0.15, 0.25);
         let widths = PlaneWidths {
@@ -147,7 +148,6 @@ mod tests {
         for symmetry in Symmetry::ALL {
             for shape in [Shape::Gaussian, Shape::Triweight] {
                 let got = plane_adaptive_moments(&*truth, shape, symmetry, &widths, 1.0, x);
-                const STEPS: usize = 1200;
                 let (mut mean, mut square) = (0.0, 0.0);
                 for i in 0..STEPS * STEPS {
                     let y = [i / STEPS, i % STEPS].map(|k| (k as f64 + 0.5) / STEPS as f64);
