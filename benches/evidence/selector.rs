@@ -107,8 +107,11 @@ impl Pairs {
     }
 }
 
+/// A function of the bandwidth.
+type Equation = Box<dyn Fn(&Pairs, f64) -> f64>;
+
 /// Something that is 0 at the selector's bandwidth, in units of the deviation.
-fn equation(name: &str, pairs: &Pairs) -> Box<dyn Fn(&Pairs, f64) -> f64> {
+fn equation(name: &str, pairs: &Pairs) -> Equation {
     let n = pairs.n();
     match name {
         "sheather-jones" => {
