@@ -161,16 +161,16 @@ pub fn spectral(report: &mut Report) {
     report.line("surface               channel  photons             balance/photons");
     for (surface, described) in scene.surfaces().iter().enumerate() {
         let high = described.domain().expect("flat").high();
-        // cells that a slanting outline cuts are seen in part: means are over what lies on the surface
         let grid = Grid::new([0.0; 2], high, [64; 2]).expect("cells");
         let solved = reference.cell_means(surface, &grid, 1);
-        let whole = grid.width(0) * grid.width(1) * solved.len() as f64;
+        // where the chart is no rectangle, cells beside it do not count
+        let domain = described.domain().expect("flat");
+        let inside = |&cell: &usize| domain.contains(grid.centre(cell));
+        let count = (0..solved.len()).filter(inside).count() as f64;
         let block = described.name.contains("block");
         for c in 0..3 {
             let found = photons.surface(surface, c);
-            let balance = solved.iter().map(|s| s[c]).sum::<f64>() / solved.len() as f64;
-            // a chart that is no rectangle: the sum of cells over its area
-            let balance = balance * whole / described.area();
+            let balance = solved.iter().map(|s| s[c]).sum::<f64>() / count;
             if found.value <= 0.0 && balance <= 0.0 {
                 continue;
             }
