@@ -130,7 +130,8 @@ impl Setting {
     }
 
     fn bound(&self, points: usize) -> f64 {
-        let ratio = self.wide * self.narrow / self.bandwidth / self.gap;
+        // in this order nothing underflows, whatever the unit
+        let ratio = (self.wide / self.bandwidth) * (self.narrow / self.gap);
         let nodes = 2.1 * (-2.0 * (PI * ratio).powi(2)).exp();
         let inside = 0.5 * self.cell / self.wide;
         let amplified = self.bandwidth / self.wide;
