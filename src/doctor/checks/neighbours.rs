@@ -5,10 +5,10 @@ use crate::doctor::subjects::K;
 use crate::neighbour::Scratch;
 use crate::space::Field;
 
-/// Mean and variance of the estimate on a line.
+/// The estimate on a line, and the ball that it is made from.
 pub const MOMENTS: Check = Check {
     name: "neighbour-moments",
-    states: "mean and variance of (k - 1)/(n V) are those of the Beta distribution of the ball",
+    states: "the mean of (k - 1)/(n V) is the one by theory, and the probability of the ball has the Beta distribution's mean and variance",
     run: moments,
 };
 
@@ -26,11 +26,24 @@ fn moments(subjects: &Subjects, seed: u64) -> Finding {
         .nearest
         .expectation(&*subjects.density, DRAWS, &[PLACE])
         .unwrap_or_default();
+    // whatever the density, Beta(k, n - k + 1). The estimate has heavy tails, so that its variance would not keep the level; the probability of the ball has none
+    let (n, k) = (DRAWS as f64, K as f64);
+    let probabilities: Vec<f64> = values
+        .iter()
+        .map(|f| 0.5 * (k - 1.0) / (n * f))
+        .map(|radius| {
+            let density = &subjects.density;
+            density.probability([PLACE[0] - radius], [PLACE[0] + radius])
+        })
+        .collect();
+    let mean = k / (n + 1.0);
     let mut evidence = Evidence::default();
     for theory in theory {
         evidence.mean("mean", &values, theory.mean);
-        evidence.variance("variance", &values, theory.variance);
     }
+    evidence.mean("probability of the ball", &probabilities, mean);
+    let variance = mean * (1.0 - mean) / (n + 2.0);
+    evidence.variance("its variance", &probabilities, variance);
     evidence.finding()
 }
 
