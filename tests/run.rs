@@ -1,7 +1,8 @@
 //! The run machinery: the same numbers for any number of threads, after any interruption, from any damage.
 #![allow(clippy::unwrap_used)]
 
-use density_lab::experiment::judge::{Ruling, judge};
+use density_lab::experiment::judge::{Ruling, Verdict, judge};
+use density_lab::experiment::region::RegionSpec;
 use density_lab::experiment::results::Results;
 use density_lab::experiment::run::{
     Bench, Existing, Identity, Opening, RunError, RunFolder, Silent, run,
@@ -409,4 +410,53 @@ fn claims_reach_over_sizes_and_sources() {
         .map(|verdict| verdict.outcome == Ruling::Holds)
         .collect();
     assert_eq!(holds, [true, false, true, false, false], "{verdicts:#?}");
+}
+
+/// What is claimed of a region is compared with the same region, of this source and of another.
+#[test]
+fn claims_about_a_region_compare_within_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut experiment = experiment();
+    experiment.sources.push(SourceSpec::Density {
+        name: "the same again".to_owned(),
+        kind: "bimodal".to_owned(),
+        values: Values::default(),
+        paths: None,
+    });
+    experiment.regions = vec![RegionSpec {
+        name: "left".to_owned(),
+        limits: vec![[-4.0, -0.5]],
+        ring: None,
+    }];
+    let claim = |measure, source: Option<&str>, margin| Claim {
+        says: "as large as itself".to_owned(),
+        draws: Some(50),
+        source: Some("bimodal".to_owned()),
+        region: Some("left".to_owned()),
+        statement: Statement::Equals {
+            measure,
+            of: "narrow".to_owned(),
+            over: Some("narrow".to_owned()),
+            other: Elsewhere {
+                source: source.map(ToOwned::to_owned),
+                draws: None,
+            },
+            equals: 1.0,
+            margin,
+            confidence: 0.99,
+        },
+        line: 1,
+    };
+    experiment.claims = vec![
+        claim(Measure::Mise, None, 1e-9),
+        // the whole has more than twice the error of the part
+        claim(Measure::Mise, Some("the same again"), 0.4),
+    ];
+    let bench = Bench::<1>::new(experiment).unwrap();
+    let place = folder.path().join("run");
+    let opened = open(&place, bench.experiment(), Existing::Continue);
+    let finished = run(&bench, &opened, &AtomicBool::new(false), &Silent).unwrap();
+    let verdicts = judge(&bench, &Results::gather(&bench, finished));
+    let holds = |verdict: &Verdict| verdict.outcome == Ruling::Holds;
+    assert!(verdicts.iter().all(holds), "{verdicts:#?}");
 }

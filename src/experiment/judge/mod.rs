@@ -180,16 +180,25 @@ fn concerns<const D: usize>(claim: &Claim, group: &Group<D>) -> bool {
             .is_none_or(|source| *source == group.name)
 }
 
-/// The group with the number that one of `group` is compared with.
-fn elsewhere<'r, const D: usize>(
-    results: &'r Results<D>,
-    group: &'r Group<D>,
+/// Does `work` with the group that has the number with which one of `group` is compared: within the region, too, that the claim is about.
+fn elsewhere<const D: usize, T>(
+    results: &Results<D>,
+    group: &Group<D>,
     other: &Elsewhere,
-) -> Option<&'r Group<D>> {
+    region: Option<&str>,
+    work: impl FnOnce(&Group<D>) -> Option<T>,
+) -> Option<T> {
     let source = other.source.as_ref().unwrap_or(&group.name);
     let draws = other.draws.unwrap_or(group.draws);
+    if group.name == *source && group.draws == draws {
+        return work(group);
+    }
     let mut groups = results.groups.iter();
-    groups.find(|group| group.name == *source && group.draws == draws)
+    let whole = groups.find(|group| group.name == *source && group.draws == draws)?;
+    match region {
+        Some(region) => work(&whole.within(region)?),
+        None => work(whole),
+    }
 }
 
 #[expect(clippy::too_many_lines, reason = "one arm a kind of statement")]
@@ -204,6 +213,7 @@ fn judge_one<const D: usize>(
     if let Some(reason) = without_grounds(&claim.statement, group) {
         return (false, reason);
     }
+    let region = claim.region.as_deref();
     let ruling = match &claim.statement {
         Statement::Below {
             measure,
@@ -218,7 +228,7 @@ fn judge_one<const D: usize>(
                 &format!("bootstrap/{}/{}", group.name, group.draws),
                 number as u64,
             );
-            elsewhere(results, group, other).and_then(|other| {
+            elsewhere(results, group, other, region, |other| {
                 let pair = ((group, &**of), (other, &**below));
                 below_by(pair, *measure, *by, *confidence, random)
             })
@@ -231,7 +241,7 @@ fn judge_one<const D: usize>(
             equals,
             margin,
             confidence,
-        } => elsewhere(results, group, other).and_then(|other| {
+        } => elsewhere(results, group, other, region, |other| {
             let over = over.as_deref().map(|over| (other, over));
             let expected = (*equals, *margin);
             equal(bench, (group, of), over, *measure, expected, *confidence)
