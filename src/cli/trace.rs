@@ -6,6 +6,7 @@ use super::notes::Notes;
 use super::output::Output;
 use super::run::Bar;
 use super::stop::Stop;
+use crate::experiment::program;
 use crate::experiment::run::Progress;
 use crate::light::hits::{Format, Piece, Spool};
 use crate::light::ledger::Ledger;
@@ -92,6 +93,8 @@ impl Trace {
         let aside = self.aside()?;
         let spool = Spool::open(&aside.path(), &self.identity(&scene, power, format))?;
         let ledger = work.fill(&spool, notes)?;
+        // all pieces are kept: what follows may be interrupted at any time
+        interrupt::at_once();
         if let Err(fault) = check(&ledger, &scene) {
             spool.remove()?;
             return Err(fault);
@@ -133,7 +136,7 @@ impl Trace {
         let about = format!("{:?} {:?} {}", scene.surfaces(), scene.colour, scene.open);
         format!(
             "{} {} {} photons, seed {}, {power:?}, {format:?}\n",
-            env!("CARGO_PKG_VERSION"),
+            program::build(),
             blake3::hash(about.as_bytes()),
             self.photons,
             self.seed

@@ -69,7 +69,8 @@ pub trait Engine<const D: usize>: Send + Sync {
     /// The name in files and tables.
     fn name(&self) -> &'static str;
 
-    /// What it would cost and how exact it would be, without doing any work on the data beyond what the sample knows already.
+    /// What it would cost and how exact it would be, without doing any work on the data beyond what the sample knows already. On a line, with one width and a grid, that is
+    /// how many points there are and whether they have weights: such plans are kept and used for other data.
     /// `tolerance` is the error that the caller allows; an engine with a choice takes the cheapest setting within it, or its best.
     ///
     /// # Errors

@@ -120,7 +120,7 @@ fn tail(r: f64) -> f64 {
     }
 }
 
-/// Φ⁻¹(p) for 0 ≤ p ≤ 1, within 1e-15 of itself in the lower tail; infinite at 0 and 1, not a number elsewhere. For p near 1 use -Φ⁻¹(1 - p) with an exact 1 - p.
+/// Φ⁻¹(p) for 0 ≤ p ≤ 1, within 4e-15 of itself in the lower tail; infinite at 0 and 1, not a number elsewhere. For p near 1 use -Φ⁻¹(1 - p) with an exact 1 - p.
 pub fn normal_quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= MIDDLE {

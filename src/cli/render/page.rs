@@ -37,7 +37,9 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
     let tone = Tone::of(&truth.image);
     let size = [truth.image.width(), truth.image.height()];
     let photographs = Photographs {
-        description: "Pictures of the scene by each estimator beside the traced one.".to_owned(),
+        description:
+            "Pictures of the scene by each estimator beside the one that they are judged by."
+                .to_owned(),
         size,
         columns: COLUMNS,
         pictures: std::iter::once(truth)
@@ -95,8 +97,8 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
     let table = Table {
         title: "Errors of pictures".to_owned(),
         caption: format!(
-            "Luminance less that of the traced picture, in per cent of its average, over all pixels but lamps; seconds for photons, estimate and light, where the traced picture took {:.1}.",
-            truth.seconds
+            "Luminance less that of the picture by {}, in per cent of its average, over all pixels but lamps; seconds for photons, estimate and light, where that picture took {:.1}.",
+            truth.name, truth.seconds
         ),
         columns: ["light from", "root mean square", "mean", "seconds"]
             .map(str::to_owned)
@@ -110,18 +112,18 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
     );
     Page {
         question: format!("How does {} look by each estimator, and what is wrong with it?", origin.scene),
-        notes: "All pictures are taken by the same camera and shown through the same tone curve. Photons are traced once, and each estimator makes its picture of the same hits. The traced picture has chance in it, too: what all maps show alike is its own.".to_owned(),
+        notes: "All pictures are taken by the same camera and shown through the same tone curve. Photons are traced once, and each estimator makes its picture of the same hits. What all maps show alike is the doing of the picture that they are judged by.".to_owned(),
         facts,
         figures: vec![
             Figure {
                 title: "The pictures".to_owned(),
-                caption: "First the one by paths traced from each pixel, which knows nothing of the photons.".to_owned(),
+                caption: format!("First the one that all others are judged by, {}, which knows nothing of the photons.", truth.name),
                 svg: photographs.draw(),
             },
             Figure {
                 title: "What is wrong".to_owned(),
                 caption: format!(
-                    "Luminance less that of the traced picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit:.0} % has the last colour; lamps are left out."
+                    "Luminance less that of the first picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit:.0} % has the last colour; lamps are left out."
                 ),
                 svg: maps.draw(),
             },
@@ -145,10 +147,10 @@ impl Judged {
     fn new(truth: &Image) -> Self {
         let of = |p: &[f32; 3]| f64::from(luminance(*p));
         let all: Vec<f64> = truth.pixels().iter().map(of).collect();
-        let mut sorted = all.clone();
-        sorted.sort_by(f64::total_cmp);
-        // half of the pixels are no lamps, whatever the scene
-        let ceiling = LAMP * sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
+        // much of a picture may show nothing at all; of what is lit, half is no lamp, whatever the scene
+        let mut lit: Vec<f64> = all.iter().copied().filter(|&l| l > 0.0).collect();
+        lit.sort_by(f64::total_cmp);
+        let ceiling = lit.get(lit.len() / 2).map_or(f64::INFINITY, |m| LAMP * m);
         let (mut sum, mut count) = (0.0, 0.0);
         for &luminance in all.iter().filter(|&&l| l <= ceiling) {
             sum += luminance;

@@ -169,7 +169,9 @@ impl Setting {
         ];
         // cells are numbered in 32 bits, and every place is a whole number of cells from zero
         let fits = tables.iter().all(|&size| size <= MOST);
-        if !fits || far / self.cell > (1u64 << 49) as f64 {
+        // targets farther apart would take digits from the places of nodes between them
+        let apart = targets > 1.0 && step > 100.0 * self.bandwidth;
+        if !fits || apart || far / self.cell > (1u64 << 49) as f64 {
             return (f64::INFINITY, f64::INFINITY);
         }
         // measured on one thread

@@ -57,7 +57,7 @@ const TAIL: f64 = 1e-15;
 /// The precision of rings for moments at a place.
 pub(super) const EXACT: f64 = 1e-11;
 
-/// The precision of rings for moments that are summed up to an error of which four digits are wanted.
+/// The precision of rings for moments that are summed up to an error of which four digits are wanted, for k/n of 1e-4 at least: it is one of the largest ring.
 pub(super) const ROUGH: f64 = 1e-7;
 
 impl Disc {

@@ -152,6 +152,12 @@ impl<'a> Layout<'a> {
         let (rows, margin) = if 8 * margin <= lines {
             // some eight bands at least, and margins that are not most of the work
             let cached = (CACHED / columns).saturating_sub(2 * margin);
+            // where no band fits, margins should at least be little beside it
+            let cached = if cached < 2 * margin {
+                16 * margin
+            } else {
+                cached
+            };
             (cached.min(lines.div_ceil(8)).max(2 * margin), margin)
         } else {
             // as high as a footprint if that leaves some eight bands; never lower than eight rows
