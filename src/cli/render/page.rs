@@ -82,18 +82,8 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
             .collect(),
         ..HeatMaps::default()
     };
-    let rows = pictures.iter().zip(&errors).map(|(shown, errors)| {
-        let all: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
-        let n = all.len().max(1) as f64;
-        let mean = all.iter().sum::<f64>() / n;
-        let square = all.iter().map(|e| e * e).sum::<f64>() / n;
-        vec![
-            Cell::text(shown.name.clone()),
-            Cell::exact(square.sqrt()),
-            Cell::exact(mean),
-            Cell::exact(shown.seconds),
-        ]
-    });
+    let rows = pictures.iter().zip(&errors);
+    let rows = rows.map(|(shown, errors)| row(shown, errors));
     let table = Table {
         title: "Errors of pictures".to_owned(),
         caption: format!(
@@ -134,6 +124,20 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
         ..Page::default()
     }
     .render()
+}
+
+/// One line of the table of errors.
+fn row(shown: &Shown, errors: &[f64]) -> Vec<Cell> {
+    let all: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
+    let n = all.len().max(1) as f64;
+    let mean = all.iter().sum::<f64>() / n;
+    let square = all.iter().map(|e| e * e).sum::<f64>() / n;
+    vec![
+        Cell::text(shown.name.clone()),
+        Cell::exact(square.sqrt()),
+        Cell::exact(mean),
+        Cell::exact(shown.seconds),
+    ]
 }
 
 /// A picture to judge others by.
