@@ -21,12 +21,7 @@ pub fn apply<const D: usize>(
     sum: KernelSum<D>,
     compute: Compute<'_, D>,
 ) -> Result<Box<dyn Field<D>>, BoundaryError> {
-    if !sum
-        .domain()
-        .sides()
-        .as_flattened()
-        .contains(&Side::Periodic)
-    {
+    if !sum.domain().wraps() {
         return boundary.correct(sum, compute);
     }
     let domain = sum.domain().clone();

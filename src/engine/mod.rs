@@ -43,7 +43,7 @@ pub use relay::Relay;
 pub use scatter::Scatter;
 pub use sorted::Sorted;
 
-use crate::kernel::KernelSum;
+use crate::kernel::{KernelSum, Shape};
 use crate::space::{Field, Targets};
 
 /// "Exact": as far as an engine may be from the definition and still count as computing the same number, relative to the ceiling of
@@ -63,6 +63,24 @@ pub struct Quote {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unsupported(pub String);
+
+/// The one width of a Gaussian sum, for an engine that knows no other sums.
+fn gaussian_width<const D: usize>(
+    sum: &KernelSum<D>,
+    engine: &str,
+) -> Result<[f64; D], Unsupported> {
+    if sum.shape() != Shape::Gaussian {
+        return Err(Unsupported(format!(
+            "{engine} is for the Gaussian kernel, not the {} one",
+            sum.shape()
+        )));
+    }
+    sum.fixed().ok_or_else(|| {
+        Unsupported(format!(
+            "{engine} needs one bandwidth for all points and targets"
+        ))
+    })
+}
 
 /// One way to compute a kernel sum.
 pub trait Engine<const D: usize>: Send + Sync {

@@ -19,7 +19,7 @@ use super::SelectError;
 use crate::neighbour::{Scratch, Searchable, at_each};
 use crate::numeric::Sum;
 use crate::sample::{Sample, Weights};
-use crate::space::{Side, Warning};
+use crate::space::Warning;
 
 /// How k is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -217,8 +217,7 @@ where
     }
 
     fn line(&self) -> Result<(), SelectError> {
-        let periodic = self.sample.domain().sides()[0].contains(&Side::Periodic);
-        if D == 1 && !periodic {
+        if D == 1 && !self.sample.domain().wraps() {
             return Ok(());
         }
         Err(SelectError::Unable(

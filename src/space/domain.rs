@@ -190,6 +190,11 @@ impl<const D: usize> Domain<D> {
             .then(|| grid.centres().map(|x| self.contains(x)).collect())
     }
 
+    /// Whether any axis wraps round.
+    pub fn wraps(&self) -> bool {
+        self.sides.as_flattened().contains(&Side::Periodic)
+    }
+
     /// Whether any side stops the density.
     pub fn has_walls(&self) -> bool {
         self.sides.as_flattened().contains(&Side::Wall)

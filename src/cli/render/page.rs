@@ -233,6 +233,19 @@ mod tests {
         assert!(limit(&[]) > 0.0);
     }
 
+    /// Where most pixels see nothing, what is lit counts all the same, and lamps still do not.
+    #[test]
+    fn a_dark_picture_is_judged_by_what_is_lit() {
+        let mut pixels = vec![[0.0; 3]; 7];
+        pixels.extend([[1.0; 3], [1.0; 3], [100.0; 3]]);
+        let judged = Judged::new(&Image::new(10, 1, pixels));
+        let brighter = vec![[1.02; 3]; 10];
+        let errors = judged.errors(&Image::new(10, 1, brighter));
+        // the average is over nine pixels, two of which are lit
+        assert!((errors[7] - 9.0).abs() < 1e-3, "{errors:?}");
+        assert!(errors[9].is_nan() && errors[..9].iter().all(|e| e.is_finite()));
+    }
+
     #[test]
     fn pictures_stand_upright() {
         // 2 × 2: above 1 2, below 3 4

@@ -25,13 +25,13 @@
 
 mod convolve;
 
-use super::{Engine, Quote, Unsupported};
-use crate::kernel::{Form, Kernel, KernelSum};
+use super::direct::by_definition;
+use super::{Engine, Quote, Unsupported, gaussian_width};
+use crate::kernel::KernelSum;
 use crate::numeric::special::normal_density;
 use crate::sample::Weights;
 use crate::space::binning::{Nodes, linear};
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets, Warning};
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::num::NonZeroUsize;
 
@@ -78,7 +78,7 @@ impl Engine<1> for Binned {
                 "binned works on a uniform grid, not at scattered targets".to_owned(),
             ));
         };
-        let h = bandwidth(sum)?;
+        let [h] = gaussian_width(sum, Self::NAME)?;
         let layout = Layout::choose(grid, h, sum.sample().len(), tolerance, self.refinement)?;
         let weighted = matches!(sum.sample().weights(), Weights::Each(_));
         // points without weights measured on one thread (tables beyond the second-level cache cost more); the rest estimated
@@ -95,7 +95,7 @@ impl Engine<1> for Binned {
     }
 
     fn prepare(&self, sum: KernelSum<1>, tolerance: f64) -> Result<Box<dyn Field<1>>, Unsupported> {
-        let bandwidth = bandwidth(&sum)?;
+        let [bandwidth] = gaussian_width(&sum, Self::NAME)?;
         Ok(Box::new(Prepared {
             sum,
             bandwidth,
@@ -103,18 +103,6 @@ impl Engine<1> for Binned {
             refinement: self.refinement,
         }))
     }
-}
-
-fn bandwidth(sum: &KernelSum<1>) -> Result<f64, Unsupported> {
-    if sum.shape().form() != Form::Gaussian {
-        return Err(Unsupported(format!(
-            "binned is for the Gaussian kernel, not the {} one",
-            sum.shape()
-        )));
-    }
-    sum.fixed_bandwidth().ok_or_else(|| {
-        Unsupported("binned needs one bandwidth for all points and targets".to_owned())
-    })
 }
 
 /// Where the nodes lie for one grid and bandwidth.
@@ -304,13 +292,7 @@ impl Field<1> for Prepared {
                 return self.on_grid(grid, &layout);
             }
         }
-        let places: Vec<Point<1>> = targets.places().collect();
-        Evaluation {
-            values: places.into_par_iter().map(|x| self.sum.at(x)).collect(),
-            error: 4.0 * f64::EPSILON,
-            engine: Some("direct"),
-            ..Evaluation::default()
-        }
+        by_definition(&self.sum, targets, "direct")
     }
 }
 

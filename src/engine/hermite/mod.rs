@@ -19,8 +19,8 @@ mod setting;
 
 pub(super) use setting::{ROUNDING, power_of_two_below, remainder, rounding_of_sums};
 
-use super::{Engine, Quote, Unsupported};
-use crate::kernel::{Form, Kernel, KernelSum};
+use super::{Engine, Quote, Unsupported, gaussian_width};
+use crate::kernel::KernelSum;
 use crate::sample::Weights;
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
 use expansion::Row;
@@ -44,15 +44,7 @@ impl Hermite {
     const NAME: &'static str = "hermite";
 
     fn setting(sum: &KernelSum<1>, tolerance: f64) -> Result<Setting, Unsupported> {
-        if sum.shape().form() != Form::Gaussian {
-            return Err(Unsupported(format!(
-                "hermite is for the Gaussian kernel, not the {} one",
-                sum.shape()
-            )));
-        }
-        let h = sum.fixed_bandwidth().ok_or_else(|| {
-            Unsupported("hermite needs one bandwidth for all points and targets".to_owned())
-        })?;
+        let [h] = gaussian_width(sum, Self::NAME)?;
         Setting::choose(h, sum.sample().len(), tolerance).ok_or_else(|| {
             Unsupported(format!(
                 "hermite needs a bandwidth between 1e-290 and 1e290, not {h}"

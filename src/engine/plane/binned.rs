@@ -11,7 +11,7 @@
 //! # References
 //! Wand 1994, Fast computation of multivariate kernel estimators, JCGS 3; Wand & Jones 1995, Kernel Smoothing, appendix D.2.
 
-use super::super::{Engine, Quote, Unsupported};
+use super::super::{Engine, Quote, Unsupported, gaussian_width};
 use super::pieces::Data;
 use super::{by_definition, look};
 use crate::kernel::{KernelSum, Shape};
@@ -46,15 +46,7 @@ struct Layout {
 
 impl Layout {
     fn choose(sum: &KernelSum<2>, grid: &Grid<2>, tolerance: f64) -> Result<Self, Unsupported> {
-        if sum.shape() != Shape::Gaussian {
-            return Err(Unsupported(format!(
-                "binned is for the Gaussian kernel, not the {} one",
-                sum.shape()
-            )));
-        }
-        let h = sum.fixed().ok_or_else(|| {
-            Unsupported("binned needs one bandwidth for all points and targets".to_owned())
-        })?;
+        let h = gaussian_width(sum, "binned")?;
         let width = [0, 1].map(|axis| grid.width(axis) / h[axis]);
         let cut = 0.05 * tolerance.clamp(1e-15, 0.5);
         let far = (-2.0 * cut.ln()).sqrt();

@@ -31,21 +31,8 @@ pub use mesh::Mesh;
 pub use pairs::PlanePairs;
 pub use splat::Splat;
 
+use super::direct::by_definition;
 use super::{Direct, Engine};
-use crate::kernel::KernelSum;
-use crate::space::{Evaluation, Field, Point, Targets};
-use rayon::prelude::*;
 
 /// The engines of the plane. To add one is to add it here; the laws find it.
 pub const PLANE: &[&dyn Engine<2>] = &[&Direct, &Gather, &Splat, &Mesh, &HermiteGrid, &BinnedGrid];
-
-/// What a quote refuses is still answered, slowly.
-fn by_definition(sum: &KernelSum<2>, targets: Targets<'_, 2>, name: &'static str) -> Evaluation {
-    let places: Vec<Point<2>> = targets.places().collect();
-    Evaluation {
-        values: places.into_par_iter().map(|x| sum.at(x)).collect(),
-        error: 4.0 * f64::EPSILON,
-        engine: Some(name),
-        ..Evaluation::default()
-    }
-}

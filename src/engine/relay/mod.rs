@@ -12,11 +12,11 @@
 mod setting;
 mod tables;
 
-use super::{Engine, Quote, Unsupported};
-use crate::kernel::{Form, Kernel, KernelSum};
+use super::direct::by_definition;
+use super::{Engine, Quote, Unsupported, gaussian_width};
+use crate::kernel::KernelSum;
 use crate::sample::Weights;
 use crate::space::{Domain, Evaluation, Field, Point, Targets};
-use rayon::prelude::*;
 use tables::{Question, with_tables};
 
 /// Cell moments, nodes and targets.
@@ -37,14 +37,7 @@ fn question(
     targets: Targets<'_, 1>,
     tolerance: f64,
 ) -> Result<Question, Unsupported> {
-    if sum.shape().form() != Form::Gaussian {
-        return Err(Unsupported(
-            "relay is for the Gaussian kernel alone".to_owned(),
-        ));
-    }
-    let bandwidth = sum.fixed_bandwidth().ok_or_else(|| {
-        Unsupported("relay needs one bandwidth for all points and targets".to_owned())
-    })?;
+    let [bandwidth] = gaussian_width(sum, Relay::NAME)?;
     let Targets::Grid(grid) = targets else {
         return Err(Unsupported(
             "relay works on a uniform grid, not at scattered targets".to_owned(),
@@ -119,13 +112,7 @@ impl Field<1> for Prepared {
                 ..Evaluation::default()
             };
         }
-        let places: Vec<Point<1>> = targets.places().collect();
-        Evaluation {
-            values: places.into_par_iter().map(|x| self.sum.at(x)).collect(),
-            error: 4.0 * f64::EPSILON,
-            engine: Some("direct"),
-            ..Evaluation::default()
-        }
+        by_definition(&self.sum, targets, "direct")
     }
 }
 

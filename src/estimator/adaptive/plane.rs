@@ -9,7 +9,7 @@ use crate::numeric::Sum;
 use crate::parameter::Values;
 use crate::sample::Sample;
 use crate::selector;
-use crate::space::{Grid, Point, Side};
+use crate::space::{Grid, Point};
 use crate::theory::{PlaneWidths, plane_adaptive_moments, plane_kernel_moments};
 use rayon::prelude::*;
 
@@ -33,12 +33,7 @@ impl Estimator<2> for Abramson<2> {
         places: &[Point<2>],
     ) -> Option<Vec<Moments>> {
         let (h, draws) = (self.width.fixed()?, draws as f64);
-        if truth
-            .domain()
-            .sides()
-            .as_flattened()
-            .contains(&Side::Periodic)
-        {
+        if truth.domain().wraps() {
             return None;
         }
         if self.exponent == 0.0 {

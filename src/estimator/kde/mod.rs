@@ -12,7 +12,7 @@ use crate::numeric::Sum;
 use crate::parameter::{Absent, Kind, Parameter, Values, listed};
 use crate::sample::Sample;
 use crate::selector::{self, FixedCount, LeastIse, Selector};
-use crate::space::{Domain, Evaluation, Field, Point, Side, Targets};
+use crate::space::{Domain, Evaluation, Field, Point, Targets};
 use crate::theory::{Family, kernel_moments};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -190,7 +190,7 @@ impl Estimator<1> for Kde {
         let Width::Numbers([h]) = self.width else {
             return None;
         };
-        if truth.domain().sides()[0].contains(&Side::Periodic) {
+        if truth.domain().wraps() {
             return None;
         }
         if !self.corrected || !truth.domain().has_walls() {
@@ -215,8 +215,7 @@ impl Estimator<1> for Kde {
         sample: &Sample<1>,
         places: &[Point<1>],
     ) -> Option<Vec<f64>> {
-        let round = sample.domain().sides()[0].contains(&Side::Periodic);
-        (!round).then(|| self.plug_in(estimate, sample, places))?
+        (!sample.domain().wraps()).then(|| self.plug_in(estimate, sample, places))?
     }
 
     fn family(&self) -> Option<Family> {

@@ -11,7 +11,7 @@ use crate::kernel::{Shape, Symmetry};
 use crate::parameter::{Value, Values, listed};
 use crate::sample::Sample;
 use crate::selector::{self, FixedCount};
-use crate::space::{Point, Side};
+use crate::space::Point;
 use crate::theory::{kernel_oracle, plane_kernel_moments};
 use rayon::prelude::*;
 
@@ -34,12 +34,7 @@ impl Estimator<2> for Kde<2> {
             return None;
         };
         // round a side that wraps the density is another one
-        if truth
-            .domain()
-            .sides()
-            .as_flattened()
-            .contains(&Side::Periodic)
-        {
+        if truth.domain().wraps() {
             return None;
         }
         let truth = truth.bivariate()?;
@@ -68,9 +63,7 @@ impl Estimator<2> for Kde<2> {
         sample: &Sample<2>,
         places: &[Point<2>],
     ) -> Option<Vec<f64>> {
-        let sides = sample.domain().sides();
-        let round = sides.as_flattened().contains(&Side::Periodic);
-        (!round).then(|| self.plug_in(estimate, sample, places))?
+        (!sample.domain().wraps()).then(|| self.plug_in(estimate, sample, places))?
     }
 
     fn family(&self) -> Option<Family> {

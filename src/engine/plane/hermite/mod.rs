@@ -15,7 +15,7 @@
 mod moments;
 mod sweeps;
 
-use super::super::{Engine, Quote, Unsupported};
+use super::super::{Engine, Quote, Unsupported, gaussian_width};
 use super::pieces::RUSH;
 use super::{by_definition, look};
 use crate::kernel::{KernelSum, Shape};
@@ -55,15 +55,7 @@ struct Layout {
 
 impl Layout {
     fn choose(sum: &KernelSum<2>, grid: &Grid<2>, tolerance: f64) -> Result<Self, Unsupported> {
-        if sum.shape() != Shape::Gaussian {
-            return Err(Unsupported(format!(
-                "hermite is for the Gaussian kernel, not the {} one",
-                sum.shape()
-            )));
-        }
-        let h = sum.fixed().ok_or_else(|| {
-            Unsupported("hermite needs one bandwidth for all points and targets".to_owned())
-        })?;
+        let h = gaussian_width(sum, "hermite")?;
         for axis in 0..2 {
             let span = grid.low()[axis].abs().max(grid.high()[axis].abs());
             // the rounding of a grid point, seen in units of h, moves all its values
