@@ -211,17 +211,26 @@ fn large_samples_are_summed_as_defined() {
         (None, grid, [0.3, 0.2], Shape::Uniform, Symmetry::Radial),
         (
             Some(&weights),
+            grid,
             [0.2, 0.3],
             Shape::Biweight,
             Symmetry::Radial,
         ),
         (
             Some(&weights),
+            grid,
             [0.9, 0.5],
             Shape::Triangular,
             Symmetry::Product,
         ),
         (None, grid, [0.15, 0.2], Shape::Gaussian, Symmetry::Product),
+        (
+            Some(&weights),
+            long,
+            [0.14, 0.02],
+            Shape::Biweight,
+            Symmetry::Product,
+        ),
     ] {
         let case = Case {
             name: "large",
