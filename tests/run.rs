@@ -72,12 +72,8 @@ fn tables(bench: &Bench, folder: &RunFolder) -> String {
     let finished = run(bench, folder, &AtomicBool::new(false), &Silent).unwrap();
     let results = Results::gather(bench, finished);
     let out = folder.fresh("tables").unwrap();
-    let mut text = String::new();
-    for table in [
-        table::summary(&results),
-        table::replicates(&results),
-        table::pairs(&results),
-    ] {
+    let mut text = table::replicates(&results);
+    for table in [table::summary(&results), table::pairs(&results)] {
         table.write(&out).unwrap();
         text += &std::fs::read_to_string(out.join(table.file)).unwrap();
     }

@@ -32,11 +32,12 @@ fn open(place: &Path, bench: &Bench) -> RunFolder {
 }
 
 /// The replicates as a table, and what the run says.
-fn outcome(bench: &Bench, place: &Path) -> (Vec<Vec<String>>, Vec<String>) {
+fn outcome(bench: &Bench, place: &Path) -> (Vec<String>, Vec<String>) {
     let finished = run(bench, &open(place, bench), &AtomicBool::new(false), &Silent).unwrap();
     let said = finished.warnings.keys().map(|w| w.what.clone()).collect();
     let results = Results::gather(bench, finished);
-    (table::replicates(&results).rows, said)
+    let rows = table::replicates(&results);
+    (rows.lines().skip(1).map(str::to_owned).collect(), said)
 }
 
 const RANK: &str = r#"stop = { rank = "estimators", confidence = 0.95 }"#;

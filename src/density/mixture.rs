@@ -7,7 +7,7 @@ use crate::numeric::special::{
     normal_quantile, normal_quantiles,
 };
 use crate::parameter::{BuildError, Kind, Parameter, Values};
-use crate::random::{Stream, open_unit, open_units};
+use crate::random::{Stream, open_pairs, open_unit};
 use crate::space::{Domain, Field, Point};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
@@ -113,8 +113,8 @@ impl NormalMixture {
     }
 }
 
-/// Draws treated together.
-const CHUNK: usize = 256;
+/// Draws treated together: some thousand, for which lists are laid out once.
+const CHUNK: usize = 1024;
 
 /// Turns standard normal `places` into places of the component that each of `shares` chooses.
 struct Place<'a> {
@@ -137,6 +137,16 @@ impl WithSimd for Place<'_> {
         let Some((last, others)) = self.components.split_last() else {
             return;
         };
+        if let [first] = others {
+            // two, as often: their numbers stay in registers
+            for (place, share) in self.places.iter_mut().zip(&*self.shares) {
+                let chosen = u64::from(share - first.weight < 0.0).wrapping_neg();
+                let mean = masked(chosen, first.mean, last.mean);
+                let deviation = masked(chosen, first.deviation, last.deviation);
+                *place = place.mul_add(deviation, mean);
+            }
+            return;
+        }
         let count = self.places.len();
         let (mut means, mut deviations) = ([last.mean; CHUNK], [last.deviation; CHUNK]);
         for part in others {
@@ -183,24 +193,17 @@ impl Density<1> for NormalMixture {
     }
 
     fn draws(&self, many: usize, random: &mut Stream) -> Vec<Point<1>> {
-        let mut points = Vec::with_capacity(many);
-        let (mut words, mut shares, mut places) = ([0.0; 2 * CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
-        while points.len() < many {
-            let length = CHUNK.min(many - points.len());
-            let (words, shares) = (&mut words[..2 * length], &mut shares[..length]);
-            let places = &mut places[..length];
-            open_units(random, words);
-            let (pairs, _) = words.as_chunks::<2>();
-            for ((share, z), pair) in shares.iter_mut().zip(&mut *places).zip(pairs) {
-                [*share, *z] = *pair;
-            }
+        let mut points = vec![[0.0]; many];
+        let mut shares = [0.0; CHUNK];
+        for places in points.as_flattened_mut().chunks_mut(CHUNK) {
+            let shares = &mut shares[..places.len()];
+            open_pairs(random, shares, places);
             normal_quantiles(places);
             Arch::new().dispatch(Place {
                 components: &self.components,
                 shares,
                 places,
             });
-            points.extend(places.iter().map(|&x| [x]));
         }
         points
     }

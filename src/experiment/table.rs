@@ -8,6 +8,7 @@ use crate::accuracy::{compare, coverage_with_bias, reach, share_interval};
 use crate::experiment::Measure;
 use crate::experiment::results::CONFIDENCE;
 use crate::storage::{StorageError, write_atomically};
+use std::fmt::Write;
 use std::path::Path;
 
 /// A table before it becomes a file.
@@ -197,44 +198,53 @@ pub fn coverage<const D: usize>(experiment: &Experiment, results: &Results<D>) -
     }
 }
 
-/// One row for each replicate of each estimator.
-pub fn replicates<const D: usize>(results: &Results<D>) -> Table {
-    let mut rows = Vec::new();
+/// The file of [`replicates`].
+pub const REPLICATES: &str = "replicates.csv";
+
+/// One row for each replicate of each estimator, as the text of its file at once: there may be millions.
+pub fn replicates<const D: usize>(results: &Results<D>) -> String {
+    let mut text = "source,n,estimator,replicate,ise,iae,ire,integral,modes,smoothing\n".to_owned();
     for group in &results.groups {
         for outcome in &group.outcomes {
+            let start = format!(
+                "{},{},{},",
+                field(&group.name),
+                group.draws,
+                field(&outcome.name)
+            );
             for (number, replicate) in outcome.replicates.iter().enumerate() {
-                rows.push(vec![
-                    group.name.clone(),
-                    group.draws.to_string(),
-                    outcome.name.clone(),
-                    number.to_string(),
-                    digits(replicate.errors.map(|e| e.ise)),
-                    digits(replicate.errors.map(|e| e.iae)),
-                    digits(replicate.errors.map(|e| e.ire)),
-                    digits(Some(replicate.integral)),
-                    replicate.modes.to_string(),
-                    digits(replicate.smoothing),
-                ]);
+                let errors = replicate.errors;
+                text.push_str(&start);
+                // to a string nothing can fail
+                let _ = write!(text, "{number}");
+                append(&mut text, errors.map(|e| e.ise));
+                append(&mut text, errors.map(|e| e.iae));
+                append(&mut text, errors.map(|e| e.ire));
+                append(&mut text, Some(replicate.integral));
+                let _ = write!(text, ",{}", replicate.modes);
+                append(&mut text, replicate.smoothing);
+                text.push('\n');
             }
         }
     }
-    let columns = vec![
-        "source",
-        "n",
-        "estimator",
-        "replicate",
-        "ise",
-        "iae",
-        "ire",
-        "integral",
-        "modes",
-        "smoothing",
-    ];
-    Table {
-        file: "replicates.csv",
-        columns,
-        rows,
+    text
+}
+
+/// A name as CSV takes it.
+fn field(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
     }
+}
+
+/// A comma and [`digits`].
+fn append(text: &mut String, value: Option<f64>) {
+    let _ = match value.filter(|v| v.is_finite()) {
+        Some(value) => write!(text, ",{value:?}"),
+        None => text.write_char(','),
+    };
 }
 
 /// Estimators compared two at a time on the same samples, for every pair of at most this many estimators; sweeps of hundreds would drown the reader.
@@ -403,5 +413,22 @@ pub fn claims(experiment: &Experiment, verdicts: &[Verdict]) -> Table {
         file: "claims.csv",
         columns: vec!["claim", "verdict", "detail"],
         rows,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::field;
+
+    #[test]
+    fn names_come_back_from_their_quotes() {
+        for name in ["plain", "a, b", "say \"h\"", "two\nlines", "", "ü"] {
+            let text = format!("{},1\n", field(name));
+            let mut reader = csv::ReaderBuilder::new()
+                .has_headers(false)
+                .from_reader(text.as_bytes());
+            let record = reader.records().next().expect("one").expect("legal");
+            assert_eq!(&record[0], name);
+        }
     }
 }

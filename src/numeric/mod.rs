@@ -1,6 +1,7 @@
 //! One-variable mathematics without data: sums, quadrature, minima, roots, special functions, transforms.
 
 mod chebyshev;
+mod logarithm;
 mod minimise;
 mod normal_quantile;
 pub mod orthogonal;

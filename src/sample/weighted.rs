@@ -4,6 +4,7 @@ use super::Paths;
 use super::margin::Margin;
 use crate::numeric::Sum;
 use crate::space::{Domain, Point};
+use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
 /// Why points and weights are not a sample.
@@ -356,18 +357,39 @@ impl<const D: usize> Sample<D> {
 
 /// Whether all points are finite and in the box of `domain`: one question about some together, without a branch for each.
 fn in_box<const D: usize>(points: &[Point<D>], domain: &Domain<D>) -> bool {
-    let (low, high) = (domain.low(), domain.high());
-    points.chunks(64).all(|points| {
-        let mut wrong = 0u64;
-        for point in points {
-            for axis in 0..D {
-                let x = point[axis];
-                let right = u64::from(low[axis] <= x) & u64::from(x <= high[axis]);
-                wrong |= 1 - (right & u64::from(x.is_finite()));
+    Arch::new().dispatch(InBox {
+        points,
+        low: domain.low(),
+        high: domain.high(),
+    })
+}
+
+struct InBox<'a, const D: usize> {
+    points: &'a [Point<D>],
+    low: Point<D>,
+    high: Point<D>,
+}
+
+impl<const D: usize> WithSimd for InBox<'_, D> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        for points in self.points.chunks(256) {
+            let mut wrong = 0u64;
+            for point in points {
+                for axis in 0..D {
+                    let x = point[axis];
+                    let right = u64::from(self.low[axis] <= x) & u64::from(x <= self.high[axis]);
+                    wrong |= 1 - (right & u64::from(x.abs() < f64::INFINITY));
+                }
+            }
+            if wrong != 0 {
+                return false;
             }
         }
-        wrong == 0
-    })
+        true
+    }
 }
 
 impl Sample<1> {

@@ -48,6 +48,18 @@ fn peak(values: &[f64]) -> f64 {
     peaks.iter().chain(rest).copied().fold(0.0, larger)
 }
 
+/// Steps of a curve that are looked at together.
+const STEPS: usize = 8;
+
+/// Whether something holds of each value and the next, without a branch for each.
+fn all(values: &[f64; STEPS + 1], holds: impl Fn(f64, f64) -> bool) -> bool {
+    let mut all = true;
+    for step in 0..STEPS {
+        all &= holds(values[step], values[step + 1]);
+    }
+    all
+}
+
 /// Says of each mode of values side by side how high it is and which are the first and the last of the cells that share the height.
 pub(super) fn for_each_top(
     values: &[f64],
@@ -62,7 +74,29 @@ pub(super) fn for_each_top(
     // climbing: the best top so far and the cells that share it; otherwise the deepest value since the last top
     let mut top: Option<(f64, usize, usize)> = Some((values[0], 0, 0));
     let mut deepest = values[0];
-    for (i, &value) in values.iter().enumerate().skip(1) {
+    let (mut i, mut look) = (1, 1);
+    while i < values.len() {
+        // most of a curve goes up for long, or down: some steps at once, with the outcome of one after the other
+        if i >= look {
+            look = i + STEPS;
+            if let Some((ahead, _)) = values[i - 1..].split_first_chunk::<{ STEPS + 1 }>() {
+                match &mut top {
+                    Some(top) if top.2 + 1 == i && all(ahead, |now, next| next > now) => {
+                        // what was before is lower, or the top would be elsewhere
+                        *top = (ahead[STEPS], i + STEPS - 1, i + STEPS - 1);
+                        i += STEPS;
+                        continue;
+                    }
+                    None if deepest >= ahead[0] && all(ahead, |now, next| next < now) => {
+                        deepest = ahead[STEPS];
+                        i += STEPS;
+                        continue;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        let value = values[i];
         if let Some((best, first, last)) = &mut top {
             if value > *best {
                 (*best, *first, *last) = (value, i, i);
@@ -79,6 +113,7 @@ pub(super) fn for_each_top(
                 top = Some((value, i, i));
             }
         }
+        i += 1;
     }
     if let Some((value, first, last)) = top {
         found(value, first, last);
@@ -157,13 +192,26 @@ mod tests {
     #[test]
     fn the_pass_counts_what_the_definition_says() {
         let mut state = 7u64;
-        for _ in 0..5000 {
-            let values: Vec<f64> = (0..12)
+        for round in 0..5000 {
+            let (mut level, mut up) = (20.0, true);
+            let values: Vec<f64> = (0..40)
                 .map(|_| {
                     state = state
                         .wrapping_mul(6_364_136_223_846_793_005)
                         .wrapping_add(1_442_695_040_888_963_407);
-                    (state >> 61) as f64
+                    let noise = (state >> 61) as f64;
+                    if round % 2 == 0 {
+                        return noise;
+                    }
+                    // up or down for more steps than are looked at together, now and then level
+                    up ^= (state >> 40).is_multiple_of(9);
+                    let step = if (state >> 50).is_multiple_of(16) {
+                        0.0
+                    } else {
+                        noise + 1.0
+                    };
+                    level += if up { step } else { -step };
+                    level
                 })
                 .collect();
             let peak = values.iter().copied().fold(0.0, f64::max);

@@ -144,7 +144,7 @@ impl Setting {
     /// Nodes that hear of one cell.
     pub fn nodes_of_cell(&self) -> usize {
         let nodes = (2.0 * self.reach * self.wide + self.cell) / self.gap;
-        (nodes.ceil() as usize + 1).next_multiple_of(GROUP)
+        nodes.ceil() as usize + 1
     }
 
     /// Nodes that [`GROUP`] targets side by side hear of, `step` being the distance of targets.

@@ -12,6 +12,9 @@ use std::rc::Rc;
 /// The most recent tables of each thread: an experiment goes over the same few settings again and again.
 const KEPT: usize = 8;
 
+/// Nodes treated together: few enough that their sums stay in registers, many enough that those do not wait for each other.
+const NODES: usize = 16;
+
 /// Numbers in tables that are worth keeping: 1 MiB.
 const WORTH: usize = 1 << 17;
 
@@ -63,7 +66,7 @@ pub(super) fn with_tables<T>(
         Some(tables) => tables,
         None => Rc::new(Tables::new(question)?),
     };
-    let worth_keeping = tables.to_nodes.len() + tables.to_targets.len() <= WORTH / GROUP;
+    let worth_keeping = tables.to_nodes.len() + tables.to_targets.len() * GROUP <= WORTH;
     RECENT.with_borrow_mut(|recent| {
         let kept = recent
             .first()
@@ -89,8 +92,10 @@ pub(super) struct Tables {
     phases: usize,
     /// The first node that each cell reaches.
     cells: Vec<u32>,
-    /// For each phase, each [`GROUP`] of nodes and each moment the weight at each node of the group.
-    to_nodes: Vec<[f64; GROUP]>,
+    /// How many nodes each cell reaches.
+    of_cell: usize,
+    /// For each phase and each moment the weight at each node that the cell reaches, with [`NODES`] zeros before and behind.
+    to_nodes: Vec<f64>,
     /// The first node that each group of targets hears of.
     starts: Vec<u32>,
     /// For each group of targets and each node the weight at each target of the group.
@@ -161,19 +166,19 @@ impl Tables {
         let highest = (last_node - lowest) as usize + 1;
         let nodes = cells
             .last()
-            .map_or(highest, |&last| highest.max(last as usize + of_cell));
-        let mut to_nodes = Vec::with_capacity(phases * of_cell / GROUP * setting.moments);
-        for phase in 0..phases {
+            .map_or(highest, |&last| highest.max(last as usize + of_cell))
+            .next_multiple_of(NODES);
+        let row = of_cell + 2 * NODES;
+        let mut to_nodes = vec![0.0; phases * setting.moments * row];
+        let of_phases = to_nodes.chunks_exact_mut(setting.moments * row);
+        for (phase, weights) in of_phases.enumerate() {
             let number = from + phase as f64;
-            let weights: Vec<Vec<f64>> = (0..of_cell)
-                .map(|node| {
-                    let y = (reached[phase] + node as f64) * gap;
-                    expansion((y - number * cell) / wide, cell / wide, setting.moments)
-                })
-                .collect();
-            for group in weights.chunks_exact(GROUP) {
-                for moment in 0..setting.moments {
-                    to_nodes.push(std::array::from_fn(|i| group[i][moment]));
+            for node in 0..of_cell {
+                let y = (reached[phase] + node as f64) * gap;
+                let v = (y - number * cell) / wide;
+                let of_moments = expansion(v, cell / wide, setting.moments);
+                for (moment, weight) in of_moments.into_iter().enumerate() {
+                    weights[moment * row + NODES + node] = weight;
                 }
             }
         }
@@ -184,6 +189,7 @@ impl Tables {
             nodes,
             phases,
             cells,
+            of_cell,
             to_nodes,
             starts,
             to_targets,
@@ -202,16 +208,38 @@ impl Tables {
     fn hand_on<const M: usize>(&self, cells: &[[f64; M]], scale: f64) -> Vec<f64> {
         let mut nodes = vec![0.0; self.nodes];
         let mut values = vec![0.0; self.starts.len() * GROUP];
-        Arch::new().dispatch(HandOn {
+        let occupied = cells.iter().zip(&self.cells).enumerate();
+        let occupied: Vec<Occupied> = occupied
+            .filter(|(_, (moments, _))| moments[0] > 0.0)
+            .map(|(cell, (_, &start))| Occupied {
+                cell: cell as u32,
+                start,
+            })
+            .collect();
+        Arch::new().dispatch(ToNodes {
             tables: self,
             cells,
-            nodes: &mut nodes,
+            occupied: &occupied,
+            nodes: nodes.as_chunks_mut::<NODES>().0,
+        });
+        Arch::new().dispatch(ToTargets {
+            tables: self,
+            nodes: &nodes,
             values: values.as_chunks_mut::<GROUP>().0,
             scale,
         });
         values.truncate(self.question.grid.cells()[0]);
         values
     }
+}
+
+/// A cell that holds something.
+#[derive(Clone, Copy)]
+struct Occupied {
+    /// Its number.
+    cell: u32,
+    /// The first node that it reaches.
+    start: u32,
 }
 
 /// Heₘ(v) φ(v) ρᵐ/m!: what the m-th moment, in widths of a cell of ρ = w/ah, adds to a node v = (y - c)/ah away from the cell's centre.
@@ -256,40 +284,77 @@ fn bumps(v: f64, decay: &[f64], many: usize) -> Vec<f64> {
     values
 }
 
-struct HandOn<'a, const M: usize> {
+/// From cells to nodes, some nodes at a time: what they hear stays in registers, and is not fetched from where it was put a moment ago.
+struct ToNodes<'a, const M: usize> {
     tables: &'a Tables,
     cells: &'a [[f64; M]],
-    nodes: &'a mut [f64],
-    values: &'a mut [[f64; GROUP]],
-    scale: f64,
+    /// In order.
+    occupied: &'a [Occupied],
+    nodes: &'a mut [[f64; NODES]],
 }
 
-impl<const M: usize> WithSimd for HandOn<'_, M> {
+impl<const M: usize> WithSimd for ToNodes<'_, M> {
     type Output = ();
 
     /// Fused multiplications and additions, everywhere in the same order, so that every machine gives the same bits.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let tables = self.tables;
-        let of_phase = tables.to_nodes.len() / tables.phases;
-        for (number, (cell, &start)) in self.cells.iter().zip(&tables.cells).enumerate() {
-            if cell[0] <= 0.0 {
-                continue;
+        let (of_cell, phases) = (tables.of_cell, tables.phases);
+        let row = of_cell + 2 * NODES;
+        let mut left = self.occupied;
+        for (group, nodes) in self.nodes.iter_mut().enumerate() {
+            let first = group * NODES;
+            // cells reach further up one after the other: those that end before these nodes are of no more use
+            while let [next, rest @ ..] = left
+                && next.start as usize + of_cell <= first
+            {
+                left = rest;
             }
-            let phase = number % tables.phases;
-            let weights = &tables.to_nodes[phase * of_phase..][..of_phase];
-            let nodes = &mut self.nodes[start as usize..][..of_phase / M * GROUP];
-            let (groups, _) = nodes.as_chunks_mut::<GROUP>();
-            for (group, weights) in groups.iter_mut().zip(weights.chunks_exact(M)) {
-                let mut sums = *group;
-                for (weights, moment) in weights.iter().zip(cell) {
-                    for i in 0..GROUP {
-                        sums[i] = weights[i].mul_add(*moment, sums[i]);
+            // moments of even and of odd order apart, so that sums do not wait for each other
+            let (mut even, mut odd) = ([0.0; NODES], [0.0; NODES]);
+            for occupied in left {
+                let start = occupied.start as usize;
+                if start >= first + NODES {
+                    break;
+                }
+                let number = occupied.cell as usize;
+                let moments = &self.cells[number];
+                let phase = if phases == 1 { 0 } else { number % phases };
+                let weights = &tables.to_nodes[phase * M * row..][..M * row];
+                let offset = first + NODES - start;
+                let (pairs, _) = moments.as_chunks::<2>();
+                for (moments, weights) in pairs.iter().zip(weights.chunks_exact(2 * row)) {
+                    let of_even = &weights[offset..][..NODES];
+                    let of_odd = &weights[row + offset..][..NODES];
+                    for i in 0..NODES {
+                        even[i] = of_even[i].mul_add(moments[0], even[i]);
+                        odd[i] = of_odd[i].mul_add(moments[1], odd[i]);
                     }
                 }
-                *group = sums;
+            }
+            for i in 0..NODES {
+                nodes[i] = even[i] + odd[i];
             }
         }
+    }
+}
+
+/// From nodes to targets.
+struct ToTargets<'a> {
+    tables: &'a Tables,
+    nodes: &'a [f64],
+    values: &'a mut [[f64; GROUP]],
+    scale: f64,
+}
+
+impl WithSimd for ToTargets<'_> {
+    type Output = ();
+
+    /// As from cells to nodes.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let tables = self.tables;
         let of_group = tables.to_targets.len() / tables.starts.len();
         let targets = self.values.iter_mut().zip(&tables.starts);
         for ((values, &start), weights) in targets.zip(tables.to_targets.chunks_exact(of_group)) {

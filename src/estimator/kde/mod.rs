@@ -55,10 +55,8 @@ impl<const D: usize> Field<D> for NonNegative<D> {
     fn evaluate(&self, targets: Targets<'_, D>) -> Evaluation {
         let mut evaluation = self.0.evaluate(targets);
         for value in &mut evaluation.values {
-            // not `max`, which would hide what is not a number
-            if *value < 0.0 {
-                *value = 0.0;
-            }
+            // not `max`, which would hide what is not a number; no branch, so that it is done to several at a time
+            *value = if *value < 0.0 { 0.0 } else { *value };
         }
         evaluation
     }

@@ -1,10 +1,10 @@
 //! Finished cells on disk.
 //!
 //! A record is one file that appears whole (written beside, renamed) and carries the hash of its contents, so that whatever a crash left behind
-//! is either right or ignored.
+//! is either right or ignored. So there is no need to wait for the disk, which would cost more than the samples do where they are small.
 
 use super::{Cell, Record};
-use crate::storage::{StorageError, write_atomically};
+use crate::storage::{StorageError, write_unhurried};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub(super) fn save(journal: &Path, cell: Cell, record: &Record) -> Result<(), St
     let body = serde_json::to_string(record)
         .map_err(std::io::Error::other)
         .map_err(StorageError::at(&path, "encoding"))?;
-    write_atomically(
+    write_unhurried(
         &path,
         format!("{}\n{body}\n", blake3::hash(body.as_bytes())).as_bytes(),
     )

@@ -148,7 +148,6 @@ where
     for table in [
         table::summary(results),
         table::regions(results),
-        table::replicates(results),
         table::pairs(results),
         table::curves(results, &first),
         table::coverage(bench.experiment(), results),
@@ -160,6 +159,8 @@ where
             table.write(&tables)?;
         }
     }
+    let replicates = table::replicates(results);
+    write_atomically(&tables.join(table::REPLICATES), replicates.as_bytes())?;
     let figures = folder.fresh("figures")?;
     for (number, picture) in drawn.iter().enumerate() {
         let path = figures.join(format!("{:02}-{}.svg", number + 1, picture.slug));

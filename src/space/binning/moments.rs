@@ -73,8 +73,10 @@ fn collect<const M: usize, const QUADS: usize>(
     let quad = |q: usize| lines[q / 2].0[q % 2];
     (1..=lattice.count)
         .map(|row| {
-            let mut moments: [f64; M] =
-                std::array::from_fn(|k| quad(row * QUADS + k / 4)[k % 4] * unit);
+            let mut moments = [0.0; M];
+            for (q, four) in moments.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                *four = quad(row * QUADS + q).map(|moment| moment * unit);
+            }
             if weights.is_some() {
                 let mass = quad(row * QUADS)[0];
                 moments[0] = (mass + quad(row * QUADS + M / 4)[0]) * unit;
@@ -135,7 +137,8 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
         let used = (rows * QUADS).div_ceil(2);
         let size = used.next_power_of_two();
         let mut table = zeros(Line::ZERO, size);
-        let mut total = zeros(Line::ZERO, used);
+        let blocks = points.len().div_ceil(BLOCK);
+        let mut total = zeros(Line::ZERO, if blocks > 1 { used } else { 0 });
         let mut index = [0u32; CHUNK];
         let mut place = [0.0f64; CHUNK];
         let mut scaled = [0.0f64; CHUNK];
@@ -154,7 +157,7 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
                     None => {
                         for (&i, &u) in index.iter().zip(place) {
                             let square = u * u;
-                            let powers = [1.0, u, square, u * square];
+                            let mut powers = [1.0, u, square, u * square];
                             if QUADS == 1 {
                                 let line = &mut table[(i >> 1) as usize & (size - 1)];
                                 let quad = &mut line.0[(i & 1) as usize];
@@ -163,18 +166,15 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
                                 }
                             } else {
                                 let fourth = square * square;
-                                let mut factor = 1.0;
                                 for half in 0..QUADS / 2 {
                                     let at = i as usize * (QUADS / 2) + half;
                                     let line = &mut table[at & (size - 1)];
-                                    for k in 0..4 {
-                                        line.0[0][k] += factor * powers[k];
+                                    for quad in &mut line.0 {
+                                        for k in 0..4 {
+                                            quad[k] += powers[k];
+                                            powers[k] *= fourth;
+                                        }
                                     }
-                                    factor *= fourth;
-                                    for k in 0..4 {
-                                        line.0[1][k] += factor * powers[k];
-                                    }
-                                    factor *= fourth;
                                 }
                             }
                         }
@@ -225,6 +225,11 @@ impl<const QUADS: usize> WithSimd for Scatter<'_, QUADS> {
                 sum.add(line);
                 *line = Line::ZERO;
             }
+        }
+        if blocks <= 1 {
+            // what lies behind is empty
+            table.truncate(used);
+            return table;
         }
         total
     }

@@ -72,7 +72,7 @@ fn all() -> Vec<(String, Arc<dyn Univariate>)> {
 #[test]
 fn many_draws_are_those_of_one_at_a_time() {
     for (name, truth) in all() {
-        for many in [0, 1, 255, 256, 600] {
+        for many in [0, 1, 255, 256, 600, 1024, 2500] {
             let (mut one, mut together) = (stream(7, "sample", 1), stream(7, "sample", 1));
             for x in truth.draws(many, &mut together) {
                 let [alone] = truth.draw(&mut one);
