@@ -4,10 +4,12 @@ use density_lab::accuracy::rank_correlation;
 use density_lab::density::{self, Bivariate};
 use density_lab::estimator::{Context, Estimator};
 use density_lab::experiment::read::estimator_in;
+use density_lab::kernel::{Shape, Symmetry};
 use density_lab::parameter::{Value, Values};
 use density_lab::random::stream;
 use density_lab::sample::{Drawn, Sample, Source};
 use density_lab::space::{Field, Grid, Point, SummedArea, Targets};
+use density_lab::theory::plane_kernel_moments;
 use std::sync::Arc;
 
 /// Photons, as many a texel of 128 × 128 as on the lecture's slides.
@@ -57,23 +59,72 @@ fn best_window(truth: &dyn Bivariate, x: Point<2>) -> f64 {
     best.expect("some") as f64
 }
 
-/// The radii chosen by the local error follow the radii of least error: rank correlation over the texture, 0.82 and 0.57 when this was written. It is less on the mixed lighting, most of which is a
-/// ramp: the local error counts the slope as error, and a symmetric window has none there.
+/// The radii chosen by the local error follow the radii of least error: rank correlation over the texture, 0.82 and 0.57 when this was written, 0.87 and 0.88 away from the walls. Along
+/// them windows are cut, lie to one side, and err by the slope, so that the best are narrower there: on the mixed lighting, most of which is a ramp, that decides the ranks of every place along them.
 #[test]
 fn radii_follow_those_of_least_error() {
-    let grid = Grid::new([0.0; 2], [1.0; 2], [128; 2]).expect("legal");
-    for (name, least) in [("highlight", 0.6), ("mix", 0.5)] {
+    let whole = Grid::new([0.0; 2], [1.0; 2], [128; 2]).expect("legal");
+    let inner = Grid::new([0.125; 2], [0.875; 2], [96; 2]).expect("legal");
+    let cases = [
+        ("window", "highlight", whole, 0.6),
+        ("window", "mix", whole, 0.5),
+        ("nearest-neighbours", "highlight", inner, 0.6),
+        ("nearest-neighbours", "mix", inner, 0.6),
+    ];
+    for (estimate, name, grid, least) in cases {
         let truth = truth(name);
         let places: Vec<Point<2>> = grid.centres().step_by(3).collect();
         let best: Vec<f64> = places.iter().map(|&x| best_window(&*truth, x)).collect();
-        let estimate = built("variable-kernel = { estimate = \"window\" }")
-            .fit(&sample(&truth, 1))
-            .expect("a fit");
+        let estimate = built(&format!(
+            "variable-kernel = {{ estimate = \"{estimate}\" }}"
+        ))
+        .fit(&sample(&truth, 1))
+        .expect("a fit");
         let chosen = estimate.evaluate(Targets::Points(&places)).sizes;
         let chosen = chosen.expect("a map of radii");
         let correlation = rank_correlation(&chosen, &best).expect("neither is constant");
+        eprintln!("{name}: {correlation}");
         assert!(correlation >= least, "{name}: {correlation}");
     }
+}
+
+/// The least mean squared error that one radius, the best for this place, can have: that of a disc, whose mean and variance are exact.
+fn least_error(truth: &dyn Bivariate, x: Point<2>) -> f64 {
+    let radii = (0..24).map(|i| 0.01 * 1.12_f64.powi(i));
+    let errors = radii.map(|radius| {
+        let (shape, round) = (Shape::Uniform, Symmetry::Radial);
+        let disc = plane_kernel_moments(truth, shape, round, [radius; 2], PHOTONS as f64, x);
+        (disc.mean - truth.at(x)).powi(2) + disc.variance
+    });
+    errors.fold(f64::INFINITY, f64::min)
+}
+
+/// Two stages come within 1.35 times the error of someone who knows the best radius of every place, where the pilot's width suits the light: 1.24 when this was written, and 2.0 with the number
+/// of neighbours that is best for all places.
+#[test]
+fn two_stages_come_near_the_best_radius_of_every_place() {
+    let grid = Grid::new([0.09; 2], [0.91; 2], [41; 2]).expect("legal");
+    let truth = truth("highlight");
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let least: Vec<f64> = grid.centres().map(|x| least_error(&*truth, x)).collect();
+    let times = |text: &str| {
+        let errors = (1..=6).map(|number| {
+            let estimate = built(text).fit(&sample(&truth, number)).expect("a fit");
+            let raster = estimate.on(&grid);
+            let squares = raster.values().iter().zip(grid.centres());
+            mean(
+                &squares
+                    .map(|(value, x)| (value - truth.at(x)).powi(2))
+                    .collect::<Vec<f64>>(),
+            )
+        });
+        mean(&errors.collect::<Vec<f64>>()) / mean(&least)
+    };
+    let stages = times("two-stage = { min = 50, max = 1600, pilot = 0.02, curvature = 0.035 }");
+    let fixed = times("nearest-neighbour = { k = 800, convention = \"mean-radius\" }");
+    eprintln!("{stages} {fixed}");
+    assert!(stages < 1.35, "{stages}");
+    assert!(fixed > 1.35, "{fixed}");
 }
 
 /// Counting on a texture errs by w²∆f/24: cells of half the width err a quarter.

@@ -5,7 +5,8 @@
 Needs `pip install mitsuba numpy` and, for the variant llvm_ad_rgb, a libLLVM that Mitsuba finds. Two peers:
 
 * `ptracer`, Mitsuba's particle tracer, on a film of one pixel. Each of its vertices also asks whether the camera sees it, which is work that `lab` does not
-  do; its segments are not reported, so only paths are compared.
+  do. It does not report its segments; they are counted on a walk of its rule of survival (src/integrators/ptracer.cpp: the largest channel of the carried weight, at most
+  0.95, asked after the next hit is found). The rays to the camera are not counted.
 * a walk written here in Dr.Jit: lamp, closest hit, survival by the power that is kept, cosine; no record of hits. Its segments are counted.
 
 Every measurement is a process of its own; CPU time of that process without start and compilation (a first run of the same size is not counted).
@@ -31,8 +32,8 @@ def box(mi):
     return scene
 
 
-def walk(mi, dr, scene, count, seed):
-    """`count` photons; the number of segments."""
+def walk(mi, dr, scene, count, seed, as_ptracer=False):
+    """`count` photons; the number of segments. Survival by the power that is kept, or as ptracer has it."""
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed, count)
     mask = mi.Bool(True)
@@ -50,8 +51,15 @@ def walk(mi, dr, scene, count, seed):
         bsdf = hit.bsdf(ray)
         sample, value = bsdf.sample(context, hit, sampler.next_1d(active), sampler.next_2d(active), active)
         after = weight * value
-        share = dr.sum(after) / dr.sum(weight)
-        active = active & (sampler.next_1d(active) < share)
+        if as_ptracer:
+            share = dr.minimum(dr.max(after), 0.95)
+            # the next hit is found before the roulette: a photon that it ends has flown once more, unless it is black already
+            flies = active & (dr.max(after) > 0)
+            active = flies & (sampler.next_1d(active) < share)
+            segments = segments + dr.select(flies & ~active, mi.UInt32(1), mi.UInt32(0))
+        else:
+            share = dr.sum(after) / dr.sum(weight)
+            active = active & (sampler.next_1d(active) < share)
         weight = dr.select(active, after / share, weight)
         ray = hit.spawn_ray(hit.to_world(sample.wo))
         return ray, weight, active, segments, sampler
@@ -85,7 +93,7 @@ def peer(variant, what, count):
             dr.eval(image)
             dr.sync_thread()
             return None
-        segments = walk(mi, dr, scene, count, seed)
+        segments = walk(mi, dr, scene, count, seed, as_ptracer=what == "counted")
         return int(dr.sum(mi.UInt64(segments))[0])
 
     once(0)
@@ -97,9 +105,10 @@ def peer(variant, what, count):
 
 def measured(command):
     done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode != 0:
-        return {"error": (done.stderr.strip().splitlines() or ["no output"])[-1]}
-    return json.loads(done.stdout.strip().splitlines()[-1])
+    said = done.stdout.strip().splitlines()
+    if done.returncode != 0 or not said:
+        return {"error": (done.stderr.strip().splitlines() or [f"no output, exit code {done.returncode}"])[-1]}
+    return json.loads(said[-1])
 
 
 def main():
@@ -128,6 +137,8 @@ def main():
             ]
         },
     }
+    counted = measured([sys.executable, __file__, "--paths", str(given.paths), "--peer", "llvm_ad_rgb", "counted"])
+    lengths = None if "error" in counted else counted["segments"] / counted["paths"]
     found = {name: [] for name in work}
     for _ in range(given.rounds):
         for name, command in work.items():
@@ -140,6 +151,8 @@ def main():
         middle = good[len(good) // 2]
         paths = middle["paths"] / middle["seconds"] / 1e6
         segments = middle["segments"] and middle["segments"] / middle["seconds"] / 1e6
+        if segments is None and lengths is not None:
+            segments = paths * lengths
         rays = f", {segments:.2f} M segments" if segments else ""
         print(f"{name}: {paths:.2f} M paths{rays} per CPU second")
 

@@ -57,12 +57,12 @@ impl Dice {
         self.acceptance != Acceptance::Deterministic
     }
 
-    /// The dice at `target`; `sample` is any number that is another one for another sample.
-    pub fn at<const D: usize>(&self, target: Point<D>, sample: f64) -> Throws {
+    /// The dice at `target`; `sample`, asked only if it matters, gives any number that is another one for another sample.
+    pub fn at<const D: usize>(&self, target: Point<D>, sample: impl FnOnce() -> f64) -> Throws {
         let fresh = match self.acceptance {
             Acceptance::Deterministic => return Throws::Half,
             Acceptance::Seeded => 0,
-            Acceptance::Random => sample.to_bits(),
+            Acceptance::Random => sample().to_bits(),
         };
         // one zero, so that a place has one name
         let name = target

@@ -82,7 +82,7 @@ impl<const D: usize> Rule<D> for AsPrinted {
                 }
             });
         }
-        let mut dice = self.dice.at(target, ladder.volume(high));
+        let mut dice = self.dice.at(target, || ladder.volume(high));
         let (mut steps, mut middle) = (0, low);
         while low < high && steps < Self::LIMIT {
             steps += 1;

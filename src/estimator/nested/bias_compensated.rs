@@ -3,7 +3,7 @@
 use super::acceptance::{Acceptance, Dice};
 use super::as_printed::AsPrinted;
 use super::ladder::Ladder;
-use super::{Choice, LAWS, MAX, MIN, Rule, convention, fit, told};
+use super::{Choice, LAWS, MAX, MIN, Rule, convention, fit, middle, told};
 use crate::estimator::{
     Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws,
 };
@@ -159,14 +159,19 @@ impl<const D: usize> Rule<D> for BiasCompensated {
         self.range
     }
 
+    fn first(&self, _target: Point<D>, least: usize, most: usize) -> usize {
+        // most searches turn down here
+        middle(least, most)
+    }
+
     fn choose(&self, target: Point<D>, ladder: &mut Ladder<'_, D>) -> Choice {
         let (mut low, mut high) = (ladder.least(), ladder.most());
         let mut seen = history(ladder, low, self.weighting);
-        let mut dice = self.dice.at(target, ladder.volume(high));
+        let mut dice = self.dice.at(target, || ladder.volume(high));
         let mut steps = 0;
         while high - low > 1 {
             steps += 1;
-            let middle = low + (high - low) / 2;
+            let middle = middle(low, high);
             let here = values(ladder, middle);
             if dice.accept(probability(&seen, &here)) {
                 for (seen, value) in seen.iter_mut().zip(here) {

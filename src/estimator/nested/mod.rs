@@ -15,7 +15,7 @@
 //! **Weights and channels.** Which points are neighbours, and how many are taken, does not depend on the channel: it is decided once, and serves the total and every
 //! channel. A rule that compares values looks at all channels of a sample that has them.
 //!
-//! **Cost.** One gathering of the most neighbours that a rule may ask for, O(max), a place; a rung costs O(log max) on average. The same sample and place give the
+//! **Cost.** One gathering of the most neighbours that a rule may ask for, O(max), a place, or of fewer where fewer decide and at most one more where they do not; a rung costs O(log max) on average. The same sample and place give the
 //! same bits for any number of threads.
 //!
 //! # References
@@ -62,6 +62,12 @@ pub struct Choice {
 pub trait Rule<const D: usize>: Clone + Send + Sync + 'static {
     /// The fewest neighbours it accepts, at least 2, and the most.
     fn range(&self) -> (usize, usize);
+
+    /// How many neighbours it looks at before it decides whether to look further, from `least` to `most`: so many are gathered, and all only where they are asked for. Nothing but the
+    /// cost depends on it.
+    fn first(&self, _target: Point<D>, _least: usize, most: usize) -> usize {
+        most
+    }
 
     /// How many neighbours it accepts: from `ladder.least()` to `ladder.most()`. `target` is for rules that throw dice.
     fn choose(&self, target: Point<D>, ladder: &mut Ladder<'_, D>) -> Choice;
@@ -161,10 +167,11 @@ impl<const D: usize, R: Rule<D>> Adaptive<D, R> {
         let all = self.finder.count();
         let (min, max) = self.rule.range();
         // one more than may be taken, for the mean radius
-        let most = (max + 1).min(all);
-        nearest.gather(&*self.finder, target, most);
+        let first = self.rule.first(target, min, max).clamp(min, max);
+        let first = (first + 1).min(all);
+        nearest.gather(&*self.finder, target, first);
         let mut here = 0;
-        if nearest.squared(min.min(most)) == 0.0 {
+        if nearest.squared(min.min(first)) == 0.0 {
             self.finder.within(target, 0.0, &mut |_, _| here += 1);
             if here == all {
                 // only where all distances are below 1e-162
@@ -175,17 +182,14 @@ impl<const D: usize, R: Rule<D>> Adaptive<D, R> {
                     crowded: true,
                 };
             }
-            if here >= nearest.len() {
-                nearest.gather(&*self.finder, target, (here + 1).min(all));
-            }
         }
         let mut ladder = Ladder::new(
             nearest,
-            self.finder.metric(),
+            (&*self.finder, target),
             &self.seen,
             self.convention,
             (min, max),
-            (here, all),
+            here,
         );
         if ladder.is_endless() {
             return Value {
@@ -261,6 +265,11 @@ impl<const D: usize, R: Rule<D>> Field<D> for Adaptive<D, R> {
             ..Evaluation::default()
         }
     }
+}
+
+/// ⌊(low + high)/2⌋.
+fn middle(low: usize, high: usize) -> usize {
+    low + (high - low) / 2
 }
 
 /// What holds of every adaptive estimate, apart from what dice that are thrown by the place do.

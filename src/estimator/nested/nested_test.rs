@@ -2,7 +2,7 @@
 
 use super::ladder::Ladder;
 use super::lepski::rungs;
-use super::{Choice, LAWS, MAX, MIN, Rule, convention, fit, told};
+use super::{Choice, LAWS, MAX, MIN, Rule, convention, fit, middle, told};
 use crate::estimator::{
     Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws,
 };
@@ -74,7 +74,7 @@ impl NestedTest {
         let mut steps = 0;
         while high - low > 1 {
             steps += 1;
-            let middle = low + (high - low) / 2;
+            let middle = middle(low, high);
             let share = ladder.volume(low) / ladder.volume(middle);
             if p_value(share, low, middle) >= self.level {
                 low = middle;
@@ -93,6 +93,13 @@ impl NestedTest {
 impl<const D: usize> Rule<D> for NestedTest {
     fn range(&self) -> (usize, usize) {
         self.range
+    }
+
+    fn first(&self, _target: Point<D>, least: usize, most: usize) -> usize {
+        match self.direction {
+            Direction::Upward => most,
+            Direction::Halves => middle(least, most),
+        }
     }
 
     fn choose(&self, _target: Point<D>, ladder: &mut Ladder<'_, D>) -> Choice {

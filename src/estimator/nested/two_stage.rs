@@ -35,21 +35,30 @@ struct Planned<const D: usize> {
     neighbours: Arc<Raster<D>>,
 }
 
-impl<const D: usize> Rule<D> for Planned<D> {
-    fn range(&self) -> (usize, usize) {
-        self.range
-    }
-
-    fn choose(&self, target: Point<D>, ladder: &mut Ladder<'_, D>) -> Choice {
+impl<const D: usize> Planned<D> {
+    fn planned(&self, target: Point<D>) -> usize {
         let grid = self.neighbours.grid();
         // beyond the grid as at its end
         let mut near = target;
         for axis in 0..D {
             near[axis] = near[axis].clamp(grid.low()[axis], grid.high()[axis]);
         }
-        let k = self.neighbours.at(near) as usize;
+        self.neighbours.at(near) as usize
+    }
+}
+
+impl<const D: usize> Rule<D> for Planned<D> {
+    fn range(&self) -> (usize, usize) {
+        self.range
+    }
+
+    fn first(&self, target: Point<D>, least: usize, most: usize) -> usize {
+        self.planned(target).clamp(least, most)
+    }
+
+    fn choose(&self, target: Point<D>, ladder: &mut Ladder<'_, D>) -> Choice {
         Choice {
-            neighbours: k.clamp(ladder.least(), ladder.most()),
+            neighbours: self.planned(target).clamp(ladder.least(), ladder.most()),
             steps: 1,
             ended: true,
         }

@@ -129,6 +129,8 @@ impl Cells {
                 bits.resize(2 * (found + points.len()), 0);
             }
             // every distance is written down, and written over unless it is wanted: no branch to mispredict
+            let room = &mut bits[found..];
+            let (mut next, mut nearer) = (0, 0);
             for &x in points {
                 let d = if WRAPS {
                     self.metric.squared(home, x)
@@ -137,10 +139,12 @@ impl Cells {
                     let (dx, dy) = (home[0] - x[0], home[1] - x[1]);
                     dx * dx + dy * dy
                 };
-                bits[found] = d.to_bits();
-                below += usize::from(d < low);
-                found += usize::from(d >= low && d <= high);
+                room[next] = d.to_bits();
+                nearer += usize::from(d < low);
+                next += usize::from(d >= low && d <= high);
             }
+            below += nearer;
+            found += next;
         });
         (below, found)
     }
@@ -166,6 +170,8 @@ impl Cells {
                 found.resize(end + points.len(), (0.0, 0));
             }
             // as in `ring`: written down, and written over unless wanted
+            let room = &mut found[end..];
+            let mut next = 0;
             for (&x, &number) in points.iter().zip(&self.numbers[outer.0..outer.1]) {
                 let d = if wraps {
                     self.metric.squared(home, x)
@@ -173,9 +179,10 @@ impl Cells {
                     let (dx, dy) = (home[0] - x[0], home[1] - x[1]);
                     dx * dx + dy * dy
                 };
-                found[end] = (d, number);
-                end += usize::from(d <= high);
+                room[next] = (d, number);
+                next += usize::from(d <= high);
             }
+            end += next;
         });
         found.truncate(end);
     }

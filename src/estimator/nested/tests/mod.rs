@@ -1,6 +1,8 @@
 //! What rules must do, and what the misprints do.
 #![allow(clippy::unwrap_used)]
 
+mod gathering;
+
 use super::acceptance::{Acceptance, Dice};
 use super::as_printed::AsPrinted;
 use super::bias_compensated::{Weighting, history, probability, values};
@@ -76,14 +78,7 @@ fn ladders<const D: usize>(
     let mut nearest = Nearest::default();
     for &x in places {
         nearest.gather(&finder, x, (range.1 + 1).min(sample.len()));
-        let mut ladder = Ladder::new(
-            &mut nearest,
-            finder.metric(),
-            &channels,
-            convention,
-            range,
-            (0, sample.len()),
-        );
+        let mut ladder = Ladder::new(&mut nearest, (&finder, x), &channels, convention, range, 0);
         look(x, &mut ladder);
     }
 }
