@@ -59,7 +59,7 @@ fn best_window(truth: &dyn Bivariate, x: Point<2>) -> f64 {
     best.expect("some") as f64
 }
 
-/// The radii chosen by the local error follow the radii of least error: rank correlation over the texture, 0.82 and 0.57 when this was written, 0.87 and 0.88 away from the walls. Along
+/// The radii chosen by the local error follow the radii of least error: rank correlation over the texture, 0.82 and 0.57 when this was written, 0.89 and 0.83 away from the walls. Along
 /// them windows are cut, lie to one side, and err by the slope, so that the best are narrower there: on the mixed lighting, most of which is a ramp, that decides the ranks of every place along them.
 #[test]
 fn radii_follow_those_of_least_error() {
@@ -83,7 +83,6 @@ fn radii_follow_those_of_least_error() {
         let chosen = estimate.evaluate(Targets::Points(&places)).sizes;
         let chosen = chosen.expect("a map of radii");
         let correlation = rank_correlation(&chosen, &best).expect("neither is constant");
-        eprintln!("{name}: {correlation}");
         assert!(correlation >= least, "{name}: {correlation}");
     }
 }
@@ -99,16 +98,16 @@ fn least_error(truth: &dyn Bivariate, x: Point<2>) -> f64 {
     errors.fold(f64::INFINITY, f64::min)
 }
 
-/// Two stages come within 1.35 times the error of someone who knows the best radius of every place, where the pilot's width suits the light: 1.24 when this was written, and 2.0 with the number
-/// of neighbours that is best for all places.
+/// Two stages come within 1.35 times the error of someone who knows the best radius of every place, where the pilot's width suits the light: 1.22 ± 0.02 over
+/// 160 samples when this was written, 1.33 ± 0.06 over the 16 here, and 2.0 with the number of neighbours that is best for all places.
 #[test]
 fn two_stages_come_near_the_best_radius_of_every_place() {
     let grid = Grid::new([0.09; 2], [0.91; 2], [41; 2]).expect("legal");
     let truth = truth("highlight");
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let least: Vec<f64> = grid.centres().map(|x| least_error(&*truth, x)).collect();
-    let times = |text: &str| {
-        let errors = (1..=6).map(|number| {
+    let times = |text: &str, samples: u64| {
+        let errors = (1..=samples).map(|number| {
             let estimate = built(text).fit(&sample(&truth, number)).expect("a fit");
             let raster = estimate.on(&grid);
             let squares = raster.values().iter().zip(grid.centres());
@@ -120,9 +119,14 @@ fn two_stages_come_near_the_best_radius_of_every_place() {
         });
         mean(&errors.collect::<Vec<f64>>()) / mean(&least)
     };
-    let stages = times("two-stage = { min = 50, max = 1600, pilot = 0.02, curvature = 0.035 }");
-    let fixed = times("nearest-neighbour = { k = 800, convention = \"mean-radius\" }");
-    eprintln!("{stages} {fixed}");
+    let stages = times(
+        "two-stage = { min = 50, max = 1600, pilot = 0.02, curvature = 0.035 }",
+        16,
+    );
+    let fixed = times(
+        "nearest-neighbour = { k = 800, convention = \"mean-radius\" }",
+        4,
+    );
     assert!(stages < 1.35, "{stages}");
     assert!(fixed > 1.35, "{fixed}");
 }

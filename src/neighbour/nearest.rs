@@ -17,15 +17,20 @@ pub type Found = (f64, u32);
 pub struct Nearest {
     /// As the finder gave them.
     found: Vec<Found>,
-    /// The bucket of each.
-    numbers: Vec<u32>,
+    /// The last that fell into each bucket, by its place in `found`.
+    heads: Vec<u32>,
+    /// For each that was found the one that fell into its bucket before.
+    earlier: Vec<u32>,
+    /// Bucket i is `placed[starts[i]..starts[i + 1]]` once someone has asked for it.
+    starts: Vec<u32>,
+    asked: Vec<bool>,
     /// By bucket; beyond as many as were found lies what an earlier place left.
     placed: Vec<Found>,
-    /// Bucket i holds `placed[starts[i]..starts[i + 1]]`.
-    starts: Vec<u32>,
-    sorted: Vec<bool>,
     scratch: Scratch,
 }
+
+/// The end of a chain.
+const NONE: u32 = u32::MAX;
 
 /// Points a bucket, where they are spread evenly.
 const OCCUPANCY: usize = 8;
@@ -50,34 +55,35 @@ impl Nearest {
         let many = self.found.len();
         let last = (many / OCCUPANCY).max(1);
         let scale = last as f64 / largest(&self.found);
-        self.numbers.clear();
-        self.numbers.extend(self.found.iter().map(|found| {
-            // no conversion, no branch: several at once
-            (found.0 * scale + WHOLE).to_bits() as u32
-        }));
-        // beyond all numbers, and where all are at the place, everything is in the first bucket
-        if !(scale.is_finite() && scale > 0.0) {
-            self.numbers.fill(0);
-        }
+        self.heads.clear();
+        self.heads.resize(last + 1, NONE);
         self.starts.clear();
-        self.starts.resize(last + 3, 0);
-        for &number in &self.numbers {
-            self.starts[number as usize + 2] += 1;
+        self.starts.resize(last + 2, 0);
+        self.earlier.clear();
+        // beyond all numbers, and where all are at the place, everything is in the first bucket
+        let spread = scale.is_finite() && scale > 0.0;
+        let (heads, starts) = (&mut self.heads[..], &mut self.starts[1..]);
+        let chain = |(at, found): (usize, &Found)| {
+            let bucket = if spread {
+                (found.0 * scale + WHOLE).to_bits() as u32 as usize
+            } else {
+                0
+            };
+            starts[bucket] += 1;
+            std::mem::replace(&mut heads[bucket], at as u32)
+        };
+        self.earlier
+            .extend(self.found.iter().enumerate().map(chain));
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
         }
-        for i in 2..last + 3 {
-            self.starts[i] += self.starts[i - 1];
-        }
+        self.asked.clear();
+        self.asked.resize(last + 1, false);
         if self.placed.len() < many {
             self.placed.resize(many, (0.0, 0));
         }
-        for (&found, &number) in self.found.iter().zip(&self.numbers) {
-            let next = &mut self.starts[number as usize + 1];
-            self.placed[*next as usize] = found;
-            *next += 1;
-        }
-        self.starts.pop();
-        self.sorted.clear();
-        self.sorted.resize(last + 1, false);
     }
 
     /// How many points were gathered.
@@ -92,15 +98,20 @@ impl Nearest {
 
     /// How many buckets there are.
     pub(crate) fn buckets(&self) -> usize {
-        self.sorted.len()
+        self.asked.len()
     }
 
     /// What is in a bucket, in order; points equally far in the order of their numbers.
     pub(crate) fn bucket(&mut self, bucket: usize) -> &[Found] {
         let range = self.starts[bucket] as usize..self.starts[bucket + 1] as usize;
         let inside = &mut self.placed[range];
-        if !self.sorted[bucket] {
-            self.sorted[bucket] = true;
+        if !self.asked[bucket] {
+            self.asked[bucket] = true;
+            let mut at = self.heads[bucket];
+            for place in &mut *inside {
+                *place = self.found[at as usize];
+                at = self.earlier[at as usize];
+            }
             inside.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         }
         inside

@@ -129,8 +129,6 @@ impl Cells {
                 bits.resize(2 * (found + points.len()), 0);
             }
             // every distance is written down, and written over unless it is wanted: no branch to mispredict
-            let room = &mut bits[found..];
-            let (mut next, mut nearer) = (0, 0);
             for &x in points {
                 let d = if WRAPS {
                     self.metric.squared(home, x)
@@ -139,12 +137,10 @@ impl Cells {
                     let (dx, dy) = (home[0] - x[0], home[1] - x[1]);
                     dx * dx + dy * dy
                 };
-                room[next] = d.to_bits();
-                nearer += usize::from(d < low);
-                next += usize::from(d >= low && d <= high);
+                bits[found] = d.to_bits();
+                below += usize::from(d < low);
+                found += usize::from(d >= low && d <= high);
             }
-            below += nearer;
-            found += next;
         });
         (below, found)
     }
