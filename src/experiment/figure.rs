@@ -32,7 +32,7 @@ pub enum FigureKind {
         /// One small panel an estimator instead of all in one.
         panels: bool,
     },
-    /// A measure of each estimator with its interval, beside the exact value.
+    /// A measure of each estimator with its interval, beside the exact value; of each source where there is one estimator and several sources.
     Errors {
         /// `mise`, `miae` or `mire`.
         measure: String,

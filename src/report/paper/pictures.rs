@@ -45,6 +45,10 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
             .filter(|(_, g)| shows(figure, g, material))
             .collect();
         let several = groups.len() > 1;
+        if let Some(svg) = together(figure, &groups) {
+            pictures.push(picture::<1>(figure, None, svg));
+            continue;
+        }
         for (index, group) in groups {
             let svg = match &figure.kind {
                 FigureKind::Curves { show, panels } => {
@@ -66,6 +70,18 @@ pub(super) fn draw(material: &Material<'_>, fine: &Fine) -> Vec<Picture> {
     pictures
 }
 
+/// One picture of all groups, where that says more than one each.
+pub(super) fn together<const D: usize>(
+    figure: &Figure,
+    groups: &[(usize, &Group<D>)],
+) -> Option<Svg> {
+    let groups: Vec<&Group<D>> = groups.iter().map(|(_, group)| *group).collect();
+    match &figure.kind {
+        FigureKind::Errors { measure } => errors::over_sources(figure, &groups, measure),
+        _ => None,
+    }
+}
+
 /// The figures that are alike on a line and in the plane.
 pub(super) fn common<const D: usize>(
     material: &Material<'_, D>,
@@ -81,7 +97,7 @@ where
         .and_then(|region| group.within(region));
     let group = part.as_ref().unwrap_or(group);
     match &figure.kind {
-        FigureKind::Errors { measure } => Some(errors::draw(material, figure, group, measure)),
+        FigureKind::Errors { measure } => Some(errors::draw(figure, group, measure)),
         FigureKind::Convergence { measure } => {
             Some(convergence::draw(material, figure, group, measure))
         }

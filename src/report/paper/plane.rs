@@ -1,6 +1,6 @@
 //! The drawings of experiments in the plane: maps and cross-sections.
 
-use super::pictures::{axis_of, chosen, common, picture, shows};
+use super::pictures::{axis_of, chosen, common, picture, shows, together};
 use super::room::unfolded;
 use super::section::section;
 use super::{Draws, Illustrations, Material, Paper};
@@ -44,6 +44,10 @@ impl Draws<2> for Paper {
                     .collect();
                 let drawn = unfolded(material, figure, &faces, show)?;
                 pictures.extend(drawn.map(|svg| picture::<2>(figure, None, svg)));
+                continue;
+            }
+            if let Some(svg) = together(figure, &shown) {
+                pictures.push(picture::<2>(figure, None, svg));
                 continue;
             }
             for (index, group) in shown {
