@@ -4,6 +4,7 @@
 mod bad_experiments;
 mod bad_inputs;
 mod estimate;
+mod figures;
 mod light;
 mod list;
 mod oracle;
