@@ -79,25 +79,81 @@ impl Yardstick {
             truth: &self.truth,
             inverse: &self.inverse,
         });
-        Errors::from_sums(sums, estimate.len() as f64, cell)
+        let errors = Errors::from_sums(sums, estimate.len() as f64, cell);
+        self.held(errors, 0..estimate.len(), estimate, cell)
     }
 
     /// The errors over some of the cells; where the truth is small is told by all of them.
     pub fn errors_over(
         &self,
-        cells: impl Iterator<Item = usize>,
+        cells: impl Iterator<Item = usize> + Clone,
         estimate: &[f64],
         cell: f64,
     ) -> Errors {
         let (mut sums, mut many) = ([Sum::default(); 4], 0.0);
-        for i in cells {
+        for i in cells.clone() {
             many += 1.0;
             let terms = terms(estimate[i], self.truth[i], self.inverse[i]);
             for (sum, term) in sums.iter_mut().zip(terms) {
                 sum.add(term);
             }
         }
-        Errors::from_sums(sums.map(Sum::value), many, cell)
+        let errors = Errors::from_sums(sums.map(Sum::value), many, cell);
+        self.held(errors, cells, estimate, cell)
+    }
+
+    /// `errors`, unless a square or a sum on the way to them was beyond all numbers: then the same in units of the largest error, which are infinite only where the result is.
+    fn held(
+        &self,
+        errors: Errors,
+        cells: impl Iterator<Item = usize> + Clone,
+        estimate: &[f64],
+        cell: f64,
+    ) -> Errors {
+        let Errors {
+            ise,
+            iae,
+            ire,
+            bias,
+        } = errors;
+        if [ise, iae, ire, bias].iter().all(|error| error.is_finite()) {
+            return errors;
+        }
+        let terms = || {
+            (cells.clone()).map(|i| {
+                let [error, _, _, _] = terms(estimate[i], self.truth[i], self.inverse[i]);
+                (error, error * self.inverse[i])
+            })
+        };
+        let largest =
+            |of: fn((f64, f64)) -> f64| terms().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
+        let (unit, relative_unit) = (largest(|term| term.0), largest(|term| term.1));
+        let part = |error: f64, unit: f64| {
+            if unit == 0.0 || error.abs() == unit {
+                // infinite ones are whole units, too
+                error.signum() * f64::from(u8::from(unit > 0.0))
+            } else {
+                error / unit
+            }
+        };
+        let (mut sums, mut many) = ([Sum::default(); 4], 0.0);
+        for (error, relative) in terms() {
+            many += 1.0;
+            let (error, relative) = (part(error, unit), part(relative, relative_unit));
+            let parts = [error, error * error, error.abs(), relative * relative];
+            sums.iter_mut()
+                .zip(parts)
+                .for_each(|(sum, term)| sum.add(term));
+        }
+        let [signed, squares, absolute, relative] = sums.map(Sum::value);
+        // nothing of a unit that is infinite is nothing
+        let times = |share: f64, unit: f64| if share == 0.0 { 0.0 } else { share * unit };
+        Errors {
+            ise: times(times(squares * cell, unit), unit),
+            iae: times(absolute * cell, unit),
+            ire: times(times(relative * cell, relative_unit), relative_unit),
+            bias: times(signed / many, unit),
+        }
     }
 }
 
@@ -170,6 +226,44 @@ mod tests {
         assert!((errors.bias - 0.5).abs() < 1e-14);
         let some = Yardstick::new(truth).errors_over(10..30, &estimate, 0.01);
         assert!((some.ise - 0.05).abs() < 1e-14 && (some.bias - 0.5).abs() < 1e-14);
+    }
+
+    /// Squares beyond all numbers, of errors that are not: what can be written is, what cannot is infinite, and nothing is no number.
+    #[test]
+    fn huge_errors_are_huge_and_never_no_number() {
+        for cells in [1, 4, 11] {
+            let truth = vec![1.0; cells];
+            let with = |error: f64| {
+                let mut estimate = truth.clone();
+                estimate[cells / 2] = error;
+                estimate
+            };
+            let (n, yardstick) = (cells as f64, Yardstick::new(truth.clone()));
+            for (error, cell, ise) in [
+                (1e160, 1e-30, 1e290),
+                (-1e160, 1e-30, 1e290),
+                (1e160, 1.0, f64::INFINITY),
+                (f64::MAX, 1.0, f64::INFINITY),
+                (f64::INFINITY, 0.1, f64::INFINITY),
+            ] {
+                let whole = yardstick.errors(&with(error), cell);
+                let some = yardstick.errors_over(0..cells, &with(error), cell);
+                for found in [whole, some] {
+                    let same = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < 1e-12;
+                    assert!(same(found.ise, ise) && same(found.ire, ise), "{found:?}");
+                    assert!(same(found.iae, error.abs() * cell), "{found:?}");
+                    assert!(same(found.bias, error / n), "{found:?}");
+                }
+            }
+            // both ways at once
+            let wild: Vec<f64> = (0..cells).map(|i| [-1e308, 1e308][i % 2]).collect();
+            let found = yardstick.errors(&wild, 1e-300);
+            assert!(
+                !found.bias.is_nan() && found.ise == f64::INFINITY,
+                "{found:?}"
+            );
+            assert!(found.iae > 0.9e8 && found.iae.is_finite(), "{found:?}");
+        }
     }
 
     #[test]

@@ -17,13 +17,14 @@ use crate::parameter::{Kind, nearest};
 use crate::space::Point;
 use crate::theory::{Asymptotic, Family, NoAsymptotics};
 use clap::Args;
+use std::sync::Arc;
 
 /// The best bandwidth for a known density, and what it costs in error
 ///
 /// Exact, without simulation: the mean integrated squared error (MISE) of the kernel estimate over all samples of N points, its two parts, the
 /// bandwidth where it is least, every other local minimum, and the same of its leading terms for large N (AMISE). With --bandwidth the
-/// errors are those at that bandwidth. Histograms and their relatives, nearest neighbours and orthogonal series are asked for by --estimator: then h stands
-/// for the width of a bin, for k or for the number of terms. With --at the answer is about one place: the bandwidth or k of least mean squared error there.
+/// errors are those at that bandwidth. Histograms and their relatives, nearest neighbours, orthogonal series and adaptive kernels are asked for by --estimator: then h stands
+/// for the width of a bin, for k or for the number of terms. The widths of adaptive kernels follow a fixed pilot: the density itself, or what a pilot estimate has for its mean. With --at the answer is about one place: the bandwidth or k of least mean squared error there.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,6 +34,8 @@ Examples:
   lab oracle --density 'beta = { a = 2, b = 3 }' --n 1000
   lab oracle --density normal-2d --kernel epanechnikov --symmetry radial --n 1000
   lab oracle --density bimodal --estimator histogram --n 1000
+  lab oracle --density normal-2d --estimator 'histogram = { angle = 30 }' --n 1000
+  lab oracle --density bimodal --estimator 'abramson = { pilot = \"truth\" }' --n 1000
   lab oracle --density bimodal --estimator nearest-neighbour --n 1000
   lab oracle --density bimodal --estimator 'cosine-series = { low = -4, high = 4 }' --n 1000
   lab oracle --density bimodal --n 1000 --at 1                  which bandwidth is best at x = 1?
@@ -130,6 +133,9 @@ impl Oracle {
             answer.reason
         };
         output.finish()?;
+        if !asked.family.is_of_estimates() {
+            notes.say("the pilot is what a pilot estimate has for its mean; the noise of one that is made from the same points is not counted");
+        }
         if let (Some(reason), false) = (&reason, self.json) {
             notes.say(reason);
         }
@@ -141,8 +147,8 @@ impl Oracle {
         if let Some(text) = &self.estimator {
             let settings = settings(text)?;
             let family = match density {
-                Truth::Line(_) => family::<1>(&settings)?,
-                Truth::Plane(_) => family::<2>(&settings)?,
+                Truth::Line(line) => family::<1>(&settings, line.clone(), self.n)?,
+                Truth::Plane(plane) => family::<2>(&settings, plane.clone(), self.n)?,
             };
             return Ok(Asked {
                 family,
@@ -182,7 +188,7 @@ impl Oracle {
         let draws = self.n as f64;
         let unknown = || {
             Stop::Input(format!(
-                "the exact error of \"{}\" is not known for \"{}\": in the plane it is for kernels, histograms and neighbours and for normal mixtures and products; a series needs an interval, so give its `low` and `high`",
+                "the exact error of \"{}\" is not known for \"{}\": in the plane it is for kernels (adaptive ones but for the uniform kernel, with a smoothed pilot where it has a closed form), histograms and neighbours and for normal mixtures and products; a series needs an interval, so give its `low` and `high`",
                 asked.estimator, self.density
             ))
         };
@@ -359,7 +365,8 @@ fn named<T>(
 
 /// The estimator, its smoothing set to anything where only the name is given: it is what is looked for.
 fn settings(text: &str) -> Result<Settings, Stop> {
-    let Some(entry) = catalogue::estimator(text.trim()) else {
+    let (name, table) = text.trim().split_once('=').unwrap_or((text.trim(), ""));
+    let Some(entry) = catalogue::estimator(name.trim()) else {
         return Settings::read(text, None);
     };
     let smoothing = entry.smoothing.and_then(|name| {
@@ -370,23 +377,45 @@ fn settings(text: &str) -> Result<Settings, Stop> {
         };
         Some(format!("{name} = {least}"))
     });
-    let text = format!("{} = {{ {} }}", entry.name, smoothing.unwrap_or_default());
-    Settings::read(&text, None)
+    let (Some(name), Some(smoothing)) = (entry.smoothing, smoothing) else {
+        let bare = format!("{} = {{}}", entry.name);
+        return Settings::read(if table.is_empty() { &bare } else { text }, None);
+    };
+    if table.is_empty() {
+        return Settings::read(&format!("{} = {{ {smoothing} }}", entry.name), None);
+    }
+    // at the end, so that what is wrong is located where it is
+    let given = table.split(['{', ',']).any(|part| {
+        let key = part.trim_start().strip_prefix(name);
+        key.is_some_and(|rest| rest.trim_start().starts_with('='))
+    });
+    match text.trim_end().strip_suffix('}') {
+        Some(open) if !given => {
+            let told = open.trim_end();
+            let comma = if told.ends_with(['{', ',']) { "" } else { "," };
+            Settings::read(&format!("{told}{comma} {smoothing} }}"), None)
+        }
+        _ => Settings::read(text, None),
+    }
 }
 
 /// All that the estimator is but for its smoothing.
-fn family<const D: usize>(settings: &Settings) -> Result<Family, Stop>
+fn family<const D: usize>(
+    settings: &Settings,
+    truth: Arc<dyn Density<D>>,
+    draws: u64,
+) -> Result<Family, Stop>
 where
     Entry: Builds<D>,
 {
     let context = Context::<D> {
-        truth: None,
-        draws: 1000,
+        truth: Some(truth),
+        draws: draws as usize,
     };
     let estimator: Box<dyn Estimator<D>> = settings.build(&context)?;
     estimator.family().ok_or_else(|| {
         Stop::Input(format!(
-            "--estimator: theory does not know the best setting of \"{}\"; it does for kernel (without a boundary), histogram, shifted-histogram, frequency-polygon, nearest-neighbour and the series",
+            "--estimator: theory does not know the best setting of \"{}\"; it does for kernel (without a boundary), histogram (in the plane of square bins), shifted-histogram, frequency-polygon, nearest-neighbour, the series, and abramson whose pilot is \"truth\", \"tied\" or a number",
             settings.name()
         ))
     })

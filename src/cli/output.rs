@@ -1,7 +1,7 @@
 //! Where data go: the standard output, or a file that appears whole or not at all.
 
-use super::interrupt::Unfinished;
 use super::stop::Stop;
+use crate::storage::{PREFIX, Unfinished};
 use serde::Serialize;
 use std::fmt;
 use std::fs::{self, File};
@@ -63,7 +63,7 @@ impl Output {
             _ => Path::new("."),
         };
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".lab-");
+        builder.prefix(PREFIX);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -87,9 +87,9 @@ impl Output {
                 None => io::Error::new(error.kind(), error.kind().to_string()),
             }
         };
-        let file = builder.tempfile_in(folder).map_err(plain)?;
+        let (file, guard) = Unfinished::make(|| builder.tempfile_in(folder)).map_err(plain)?;
         Ok(Sink::File {
-            guard: Unfinished::new(file.path()),
+            guard,
             writer: BufWriter::with_capacity(BUFFER, file),
             target,
         })

@@ -8,7 +8,8 @@ use crate::density::Density;
 use crate::numeric::Sum;
 use crate::parameter::{Parameter, Values};
 use crate::sample::Sample;
-use crate::space::{Domain, Field, Point};
+use crate::space::{Domain, Field, Lattice, Point};
+use crate::theory::plane_histogram_moments;
 use std::sync::Arc;
 
 /// f̂(x) = (mass in the bin of x) / (width-x · width-y). The lattice of bins has a corner at the origin; its first axis makes the angle with that of
@@ -17,33 +18,8 @@ use std::sync::Arc;
 /// A datum on an edge belongs to the bin beyond it. O((n + m) log n) time and O(n) memory, however many bins the range holds.
 pub struct HistogramPlane {
     lattice: Lattice,
-}
-
-/// Where the bins lie.
-#[derive(Clone, Copy)]
-struct Lattice {
-    widths: [f64; 2],
     origin: Point<2>,
-    /// Cosine and sine of the angle.
-    turn: [f64; 2],
-}
-
-impl Lattice {
-    /// The numbers of the bin of `x`, as whole `f64`s, which stay in order far beyond the range of integers. **One formula** for data and targets.
-    fn number(&self, x: Point<2>) -> [f64; 2] {
-        let [u, v] = [x[0] - self.origin[0], x[1] - self.origin[1]];
-        let [cosine, sine] = self.turn;
-        let along = [cosine * u + sine * v, cosine * v - sine * u];
-        [0, 1].map(|k: usize| (along[k] / self.widths[k]).floor())
-    }
-
-    fn area(&self) -> f64 {
-        self.widths[0] * self.widths[1]
-    }
-
-    fn is_turned(&self) -> bool {
-        self.turn[1] != 0.0
-    }
+    degrees: f64,
 }
 
 struct Fitted {
@@ -85,7 +61,10 @@ impl HistogramPlane {
             if !number.iter().all(|k| k.is_finite()) {
                 return Err(FitError::TooLarge(format!(
                     "the point ({}, {}) cannot be numbered in bins of {} by {}; choose larger widths",
-                    x[0], x[1], self.lattice.widths[0], self.lattice.widths[1]
+                    x[0],
+                    x[1],
+                    self.lattice.widths()[0],
+                    self.lattice.widths()[1]
                 )));
             }
             placed.push((number, i));
@@ -127,46 +106,28 @@ impl Estimator<2> for HistogramPlane {
             .map(|c| Ok(Arc::new(self.bin(&sample.channel(c))?) as Arc<dyn Field<2>>))
             .collect::<Result<_, FitError>>()?;
         let mut estimate = Estimate::new(Arc::new(self.bin(sample)?)).with_channels(channels);
-        let [x, y] = self.lattice.widths;
+        let [x, y] = self.lattice.widths();
         estimate.smoothing = Some((x * y).sqrt());
         Ok(estimate)
     }
 
-    /// Square bins with the same origin on both axes.
+    /// Square bins.
     fn family(&self) -> Option<Family> {
-        let Lattice { widths, origin, .. } = self.lattice;
-        let same = |pair: [f64; 2]| pair[0].total_cmp(&pair[1]).is_eq();
-        let known = !self.lattice.is_turned() && same(widths) && same(origin);
-        known.then_some(Family::ShiftedHistogram {
-            shifts: 1,
-            origin: origin[0],
+        let [x, y] = self.lattice.widths();
+        x.total_cmp(&y).is_eq().then_some(Family::SquareHistogram {
+            origin: self.origin,
+            degrees: self.degrees,
         })
     }
 
-    /// Counts are binomial; bins that are turned have no closed probability.
+    /// Counts are binomial.
     fn expectation(
         &self,
         truth: &dyn Density<2>,
         draws: usize,
         places: &[Point<2>],
     ) -> Option<Vec<Moments>> {
-        if self.lattice.is_turned() {
-            return None;
-        }
-        let area = self.lattice.area();
-        let at = |&x: &Point<2>| {
-            let number = self.lattice.number(x);
-            let edge = |k: usize, step: f64| {
-                (number[k] + step).mul_add(self.lattice.widths[k], self.lattice.origin[k])
-            };
-            let share =
-                truth.probability([edge(0, 0.0), edge(1, 0.0)], [edge(0, 1.0), edge(1, 1.0)]);
-            Moments {
-                mean: share / area,
-                variance: share * (1.0 - share) / (draws as f64 * area * area),
-            }
-        };
-        Some(places.iter().map(at).collect())
+        plane_histogram_moments(truth, &self.lattice, draws as f64, places)
     }
 }
 
@@ -187,18 +148,12 @@ impl Build<2> for HistogramPlane {
         };
         let degrees = values.number("angle").unwrap_or(0.0);
         let origin = values.number("origin").unwrap_or(0.0);
-        let turn = if degrees == 0.0 {
-            [1.0, 0.0]
-        } else {
-            let (sine, cosine) = degrees.to_radians().sin_cos();
-            [cosine, sine]
-        };
+        let origin = [origin, values.number("origin-y").unwrap_or(origin)];
+        let widths = [x, values.number("width-y").unwrap_or(x)];
         Ok(Self {
-            lattice: Lattice {
-                widths: [x, values.number("width-y").unwrap_or(x)],
-                origin: [origin, values.number("origin-y").unwrap_or(origin)],
-                turn,
-            },
+            lattice: Lattice::new(widths, origin, degrees),
+            origin,
+            degrees,
         })
     }
 }

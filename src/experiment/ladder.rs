@@ -25,7 +25,8 @@ pub(super) fn climb<const D: usize>(bench: &Bench<D>, source: usize, size: usize
     estimators
         .iter()
         .map(|estimator| {
-            let Some(family) = estimator.family() else {
+            let known_theory = |family: &Family| family.is_of_estimates();
+            let Some(family) = estimator.family().filter(known_theory) else {
                 return Ladder::default();
             };
             if let Some((_, ladder)) = known.iter().find(|(other, _)| *other == family) {
@@ -44,8 +45,16 @@ fn rungs<const D: usize>(bench: &Bench<D>, source: usize, size: usize, family: F
         return Ladder::default();
     };
     let draws = setting.draws as f64;
-    // tables of all discs of the plane would take longer than most experiments
-    let dear = D > 1 && matches!(family, Family::Neighbour(_));
+    let mixture = truth
+        .bivariate()
+        .is_some_and(|plane| plane.normal_components().is_some());
+    // tables of all discs of the plane would take longer than most experiments, and so would bumps of all widths between walls
+    let dear = D > 1
+        && match family {
+            Family::Neighbour(_) => true,
+            Family::Adaptive { .. } => !mixture,
+            _ => false,
+        };
     let best = (!dear)
         .then(|| family.optimum_of(&**truth, draws))
         .flatten();
@@ -57,11 +66,8 @@ fn rungs<const D: usize>(bench: &Bench<D>, source: usize, size: usize, family: F
         .step_by(step)
         .collect();
     // in the plane only where moments are closed forms
-    let cheap = D == 1
-        || (matches!(family, Family::Kernel(crate::kernel::Shape::Gaussian))
-            && truth
-                .bivariate()
-                .is_some_and(|plane| plane.normal_components().is_some()));
+    let cheap =
+        D == 1 || (matches!(family, Family::Kernel(crate::kernel::Shape::Gaussian)) && mixture);
     let kernel = matches!(family, Family::Kernel(_) | Family::RadialKernel(_));
     let local: Option<Vec<f64>> = (kernel && cheap)
         .then(|| {

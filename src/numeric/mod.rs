@@ -14,6 +14,6 @@ mod transform;
 pub use chebyshev::Piecewise;
 pub use minimise::{Minimum, local_minima, minimise};
 pub use quadrature::{GaussLegendre, panels};
-pub use root::root;
+pub use root::{root, sign_change};
 pub use summation::{Sum, sum, two_sum};
 pub use transform::{forward_transform, inverse_transform};

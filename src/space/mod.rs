@@ -10,6 +10,7 @@ pub mod binning;
 mod domain;
 mod field;
 mod grid;
+mod lattice;
 mod modes;
 mod polygon;
 mod raster;
@@ -20,10 +21,13 @@ mod summits;
 pub use domain::{Domain, DomainError, Side};
 pub use field::{Evaluation, Explanation, Field, Targets, Warning};
 pub use grid::{Grid, GridError};
+pub use lattice::Lattice;
 pub use modes::{Mode, RIPPLE, modes};
 pub use polygon::{Polygon, PolygonError};
 pub use raster::Raster;
-pub use ring::{clip, distance_to_segment, moments as polygon_moments};
+pub use ring::{
+    clip, clipped_to_box, distance_to_segment, moments as polygon_moments, within_convex,
+};
 pub use summed_area::{SummedArea, Window};
 pub use summits::mode_count;
 

@@ -4,7 +4,9 @@
 //! Meisters 1975, Polygons have ears.
 
 use super::Point;
-use super::ring::{clip, distance_to_segment, folded, meet, moments, orientation, ring_edges};
+use super::ring::{
+    clip, clipped_to_box, distance_to_segment, folded, meet, moments, orientation, ring_edges,
+};
 
 /// The most vertices: checking that edges do not cross takes the square of their number.
 pub const VERTEX_LIMIT: usize = 1000;
@@ -257,14 +259,10 @@ impl Polygon {
         let (least, greatest) = self.bounds();
         let low = [0, 1].map(|axis: usize| low[axis].clamp(least[axis], greatest[axis]));
         let high = [0, 1].map(|axis: usize| high[axis].clamp(least[axis], greatest[axis]));
-        let [[x, y], [u, v]] = [low, high];
-        if x >= u || y >= v {
+        if low[0] >= high[0] || low[1] >= high[1] {
             return Vec::new();
         }
-        let corners = [[x, y], [u, y], [u, v], [x, v]];
-        (0..4).fold(self.vertices.clone(), |ring, k| {
-            clip(&ring, corners[k], corners[(k + 1) % 4])
-        })
+        clipped_to_box(&self.vertices, low, high)
     }
 }
 

@@ -30,6 +30,19 @@ pub fn clip(ring: &[Point<2>], a: Point<2>, b: Point<2>) -> Vec<Point<2>> {
     kept
 }
 
+/// The part of a ring of vertices in a convex polygon with these corners, counter-clockwise: see [`clip`]. Nothing where there are fewer than three.
+pub fn within_convex(ring: &[Point<2>], corners: &[Point<2>]) -> Vec<Point<2>> {
+    if corners.len() < 3 {
+        return Vec::new();
+    }
+    ring_edges(corners).fold(ring.to_vec(), |ring, [a, b]| clip(&ring, a, b))
+}
+
+/// The same of the box from `low` to `high`.
+pub fn clipped_to_box(ring: &[Point<2>], low: Point<2>, high: Point<2>) -> Vec<Point<2>> {
+    within_convex(ring, &[low, [high[0], low[1]], high, [low[0], high[1]]])
+}
+
 /// ∫1, ∫x and ∫y over the inside of a ring, counter-clockwise positive. By Green's theorem about the first vertex, so that a polygon far from
 /// zero loses no digits. Zeros for fewer than three vertices.
 pub fn moments(ring: &[Point<2>]) -> [f64; 3] {

@@ -13,14 +13,19 @@ const GAUSSIAN_REACH: f64 = 9.2;
 
 /// exp(∫ f log f), the geometric mean of a density over its own points: Abramson's g.
 pub fn geometric_mean(truth: &dyn Density<1>) -> f64 {
+    geometric_mean_of(truth, &|y| truth.at([y]))
+}
+
+/// exp(∫ f log p), the geometric mean of a pilot over the points of a density.
+pub(super) fn geometric_mean_of(truth: &dyn Density<1>, pilot: &dyn Fn(f64) -> f64) -> f64 {
     let ([low], [high]) = truth.bulk(1e-18);
     let rule = &*RULE;
     let mut sum = Sum::default();
     for panel in panels(low, high, truth.breaks(0), truth.finest_scale(0)).windows(2) {
         for (y, weight) in rule.on(panel[0], panel[1]) {
-            let f = truth.at([y]);
-            if f > 0.0 {
-                sum.add(weight * f * f.ln());
+            let (f, p) = (truth.at([y]), pilot(y));
+            if f > 0.0 && p > 0.0 {
+                sum.add(weight * f * p.ln());
             }
         }
     }

@@ -16,6 +16,11 @@ pub enum NoAsymptotics {
         "the asymptotic error does not exist, because R(f') is infinite: the density jumps somewhere (at a wall, say), and there the bias falls more slowly than the width"
     )]
     Slope,
+    /// The leading term of an adaptive estimate is not one of the whole line.
+    #[error(
+        "the asymptotic error does not exist: the bias of an adaptive estimate begins with h⁴ (1/f)'''', which grows beyond all bounds where the density falls, and the clip that tames the widths there bends it"
+    )]
+    Adaptive,
     /// No leading terms are known for what is asked about.
     #[error("leading terms for large samples are not known for this kind of estimate")]
     Unknown,

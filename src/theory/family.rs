@@ -1,10 +1,10 @@
 //! Families of estimates that differ in how much they smooth, and the member that is best.
 
 use super::local::{Local, best_kernel_at, best_kernel_in_plane_at, best_neighbour_at};
-use super::plane::PlaneHistogramError;
+use super::plane::{PlaneAdaptiveError, PlaneHistogramError};
 use super::{
-    Asymptotic, Convention, HistogramError, Integrated, KernelError, NeighbourError, NoAsymptotics,
-    Optimum, PlaneKernelError, SeriesError, Taper,
+    AdaptiveError, Asymptotic, Convention, FixedPilot, HistogramError, Integrated, KernelError,
+    NeighbourError, NoAsymptotics, Optimum, PlaneKernelError, SeriesError, Taper, WidthLaw,
 };
 use crate::density::{Bivariate, Density, Univariate};
 use crate::kernel::{Kernel, Shape, Symmetry};
@@ -18,17 +18,35 @@ pub enum Family {
     Kernel(Shape),
     /// The same in the plane with a kernel of the distance; on a line there is no difference.
     RadialKernel(Shape),
-    /// Means of so many histograms (of one, the histogram), by the width of a bin; in the plane one histogram of square bins.
+    /// Means of so many histograms (of one, the histogram), by the width of a bin.
     ShiftedHistogram {
         /// How many.
         shifts: u32,
         /// An edge of a bin of the first.
         origin: f64,
     },
+    /// Histograms of the plane with square bins, by the width of a bin.
+    SquareHistogram {
+        /// A corner of a bin.
+        origin: Point<2>,
+        /// By what angle the bins are turned, in degrees.
+        degrees: f64,
+    },
     /// Straight lines between the middles of a histogram's bars, by the width of a bin.
     FrequencyPolygon {
         /// An edge of a bin.
         origin: f64,
+    },
+    /// Kernel estimates whose widths follow a fixed pilot, by h.
+    Adaptive {
+        /// The kernel.
+        shape: Shape,
+        /// What becomes of it in the plane.
+        symmetry: Symmetry,
+        /// How widths follow.
+        law: WidthLaw,
+        /// What they follow.
+        pilot: FixedPilot,
     },
     /// Nearest-neighbour estimates, by k.
     Neighbour(Convention),
@@ -67,6 +85,8 @@ enum Errors<'a> {
     PlaneKernel(PlaneKernelError),
     Histogram(HistogramError<'a>),
     PlaneHistogram(PlaneHistogramError<'a>),
+    Adaptive(AdaptiveError<'a>),
+    PlaneAdaptive(PlaneAdaptiveError<'a>),
     Neighbour(NeighbourError<'a>, Convention),
     Series(SeriesErrors, Taper),
 }
@@ -141,6 +161,8 @@ impl FamilyError<'_> {
             Errors::PlaneKernel(errors) => errors.at([amount; 2], draws),
             Errors::Histogram(errors) => errors.at(amount, draws),
             Errors::PlaneHistogram(errors) => errors.at(amount, draws),
+            Errors::Adaptive(errors) => errors.at(amount, draws),
+            Errors::PlaneAdaptive(errors) => errors.at(amount, draws),
             Errors::Neighbour(errors, convention) => {
                 errors.at(whole(3, draws as usize)?, *convention, draws as usize)
             }
@@ -160,6 +182,8 @@ impl FamilyError<'_> {
             Errors::PlaneKernel(errors) => errors.optimum(draws),
             Errors::Histogram(errors) => errors.optimum(draws),
             Errors::PlaneHistogram(errors) => errors.optimum(draws),
+            Errors::Adaptive(errors) => errors.optimum(draws),
+            Errors::PlaneAdaptive(errors) => errors.optimum(draws),
             Errors::Neighbour(errors, convention) => {
                 count(errors.optimum(*convention, draws as usize))
             }
@@ -169,11 +193,24 @@ impl FamilyError<'_> {
 }
 
 impl Family {
+    /// Whether its errors are those of estimates from data. They are not of a pilot that is smoothed without noise: an estimate of the pilot from the same data has some, and errors of its own.
+    pub fn is_of_estimates(self) -> bool {
+        !matches!(
+            self,
+            Self::Adaptive {
+                pilot: FixedPilot::Smoothed(_) | FixedPilot::Tied,
+                ..
+            }
+        )
+    }
+
     /// What its members differ in.
     pub fn parameter(self) -> &'static str {
         match self {
-            Self::Kernel(_) | Self::RadialKernel(_) => "bandwidth",
-            Self::ShiftedHistogram { .. } | Self::FrequencyPolygon { .. } => "width",
+            Self::Kernel(_) | Self::RadialKernel(_) | Self::Adaptive { .. } => "bandwidth",
+            Self::ShiftedHistogram { .. }
+            | Self::SquareHistogram { .. }
+            | Self::FrequencyPolygon { .. } => "width",
             Self::Neighbour(_) => "k",
             Self::Series { .. } => "terms",
         }
@@ -191,7 +228,10 @@ impl Family {
             Self::FrequencyPolygon { origin } => {
                 Errors::Histogram(HistogramError::polygon(truth, origin))
             }
-            Self::Neighbour(Convention::MeanRadius) => return None,
+            Self::Adaptive {
+                shape, law, pilot, ..
+            } => Errors::Adaptive(AdaptiveError::new(truth, shape, law, pilot)),
+            Self::SquareHistogram { .. } | Self::Neighbour(Convention::MeanRadius) => return None,
             Self::Neighbour(convention) => {
                 Errors::Neighbour(NeighbourError::on_line(truth), convention)
             }
@@ -212,9 +252,20 @@ impl Family {
             Self::RadialKernel(shape) => {
                 Errors::PlaneKernel(PlaneKernelError::new(truth, shape, Symmetry::Radial)?)
             }
-            Self::ShiftedHistogram { shifts: 1, origin } => {
-                Errors::PlaneHistogram(PlaneHistogramError::new(truth, origin)?)
+            Self::SquareHistogram { origin, degrees } => {
+                Errors::PlaneHistogram(PlaneHistogramError::new(truth, origin, degrees)?)
             }
+            Self::Adaptive {
+                shape,
+                symmetry,
+                law,
+                pilot,
+            } => Errors::PlaneAdaptive(PlaneAdaptiveError::new(
+                truth,
+                (shape, symmetry),
+                law,
+                pilot,
+            )?),
             Self::Neighbour(convention) if convention != Convention::MeanRadius => {
                 Errors::Neighbour(NeighbourError::in_plane(truth)?, convention)
             }
@@ -258,7 +309,10 @@ impl Family {
             Self::FrequencyPolygon { origin } => {
                 HistogramError::polygon(truth, origin).asymptotic(draws)
             }
-            Self::Neighbour(_) | Self::Series { .. } => Err(NoAsymptotics::Unknown),
+            Self::Adaptive { .. } => Err(NoAsymptotics::Adaptive),
+            Self::SquareHistogram { .. } | Self::Neighbour(_) | Self::Series { .. } => {
+                Err(NoAsymptotics::Unknown)
+            }
         }
     }
 
@@ -282,9 +336,10 @@ impl Family {
         match self {
             Self::Kernel(shape) => kernel(shape, Symmetry::Product),
             Self::RadialKernel(shape) => kernel(shape, Symmetry::Radial),
-            Self::ShiftedHistogram { shifts: 1, .. } => {
+            Self::SquareHistogram { .. } => {
                 Asymptotic::of_plane_histogram(truth.gradient_roughness(), draws)
             }
+            Self::Adaptive { .. } => Err(NoAsymptotics::Adaptive),
             _ => Err(NoAsymptotics::Unknown),
         }
     }

@@ -4,12 +4,12 @@
 //! |---|---|
 //! | mean and variance of an estimate at a place | [`kernel_moments`], [`histogram_moments`], [`shifted_histogram_moments`], [`polygon_moments`], [`generalised_histogram_moments`], [`series_moments`], [`adaptive_moments`], [`plane_adaptive_moments`], [`neighbour_moments`] |
 //! | the same of any estimate that is Σ κ(x, Xᵢ) / n | [`equivalent_moments`] |
-//! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`], [`SeriesError::at`] |
+//! | integrated bias², variance, MISE over the whole line | [`KernelError::at`], [`HistogramError::at`], [`SeriesError::at`], [`AdaptiveError::at`] |
 //! | the same over an interval, and relative to f² (MIRE) | [`integrate_over`] |
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
 //! | the best bandwidth, width or number of terms | [`KernelError::optimum`], [`HistogramError::optimum`], [`SeriesError::optimum`] |
 //! | the same of all that an estimator is but for its width | [`Family`] |
-//! | the same in the plane | [`PlaneKernelError`], [`plane_kernel_moments`], [`plane_equivalent_moments`] |
+//! | the same in the plane | [`PlaneKernelError`], [`PlaneHistogramError`], [`PlaneAdaptiveError`], [`plane_kernel_moments`], [`plane_equivalent_moments`], [`plane_histogram_moments`] |
 //! | the best k and its error | [`NeighbourError`] |
 //! | the best smoothing at one place | [`Family::best_at`] |
 //! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
@@ -27,6 +27,7 @@
 //! Silverman 1986, section 3.3.
 
 mod adaptive;
+mod adaptive_error;
 mod asymptotic;
 mod autocorrelation;
 mod binned;
@@ -43,6 +44,7 @@ mod pointwise;
 mod series;
 
 pub use adaptive::{adaptive_moments, geometric_mean};
+pub use adaptive_error::{AdaptiveError, FixedPilot, WidthLaw};
 pub use asymptotic::{Asymptotic, NoAsymptotics};
 pub use binned::{
     generalised_histogram_moments, histogram_moments, polygon_moments, shifted_histogram_moments,
@@ -56,8 +58,9 @@ pub use neighbour::{Convention, NeighbourError, best_neighbours, neighbour_momen
 pub use optimum::{Optimum, Oracle};
 pub use patch::Support;
 pub use plane::{
-    PlaneHistogramError, PlaneKernelError, PlaneWidths, kernel_oracle, plane_adaptive_moments,
-    plane_equivalent_moments, plane_kernel_moments,
+    PlaneAdaptiveError, PlaneHistogramError, PlaneKernelError, PlaneWidths, kernel_oracle,
+    plane_adaptive_moments, plane_equivalent_moments, plane_histogram_moments,
+    plane_kernel_moments,
 };
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};
 pub use series::{SeriesError, Taper, series_moments, series_moments_in_plane};

@@ -151,9 +151,9 @@ fn families_know_their_best_member() {
 #[test]
 fn bins_of_the_plane_have_a_best_width() {
     let plane = named_in_plane("normal-2d").unwrap();
-    let family = Family::ShiftedHistogram {
-        shifts: 1,
-        origin: 0.0,
+    let family = Family::SquareHistogram {
+        origin: [0.0; 2],
+        degrees: 0.0,
     };
     let n = 1e6;
     let best = family.errors_in_plane(&*plane).unwrap().optimum(n);

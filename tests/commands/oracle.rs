@@ -279,3 +279,49 @@ fn the_best_at_a_place_is_another_than_the_best_for_all() {
         bench.run(&all).ends_with(2).says(says);
     }
 }
+
+/// Turned bins and widths that follow a pilot, in the line and in the plane.
+#[test]
+fn the_oracle_knows_turned_bins_and_adaptive_widths() {
+    let bench = Bench::new();
+    let ask = |density: &str, estimator: &str, n: &str| {
+        let all = [
+            "oracle",
+            "--density",
+            density,
+            "--estimator",
+            estimator,
+            "--n",
+            n,
+            "--json",
+        ];
+        bench.run(&all)
+    };
+    let number = |told: &serde_json::Value, key: &str| told[key].as_f64().unwrap();
+    // of a round density the angle changes nothing
+    let straight = ask("normal-2d", "histogram", "60").succeeds().json();
+    let turned = ask("normal-2d", "histogram = { angle = 30 }", "60")
+        .succeeds()
+        .says_nothing()
+        .json();
+    for key in ["h_mise", "mise", "h_amise"] {
+        let ratio = number(&turned, key) / number(&straight, key);
+        assert!((ratio - 1.0).abs() < 1e-5, "{key}: {turned} {straight}");
+    }
+    let fixed = bench
+        .run(&["oracle", "--density", "normal", "--n", "10000", "--json"])
+        .succeeds()
+        .json();
+    let adaptive = ask("normal", "abramson = { pilot = \"truth\" }", "10000")
+        .succeeds()
+        .json();
+    assert!(adaptive["h_amise"].is_null() && adaptive["reason"].is_string());
+    assert!(number(&adaptive, "mise") < 0.96 * number(&fixed, "mise"));
+    let tied = ask("normal", "abramson = { pilot = \"tied\" }", "10000").succeeds();
+    tied.says("noise");
+    // whose pilot is chosen from each sample, theory cannot follow
+    ask("normal", "abramson", "100").ends_with(2).says("pilot");
+    ask("uniform-2d", "histogram = { angle = 30 }", "100")
+        .ends_with(2)
+        .says("normal mixtures and products");
+}

@@ -7,8 +7,9 @@ use density_lab::numeric::{GaussLegendre, special::normal_density};
 use density_lab::parameter::{Value, Values};
 use density_lab::random::stream;
 use density_lab::sample::Sample;
-use density_lab::space::{Domain, Field};
+use density_lab::space::{Domain, Field, Grid};
 use density_lab::theory::{adaptive_moments, geometric_mean, kernel_moments};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 fn normal() -> Arc<dyn Univariate> {
@@ -160,4 +161,69 @@ fn the_widths_are_those_of_the_data_and_keep_the_mass() {
     let cuts: Vec<f64> = (0..=6000).map(|i| f64::from(i) * 0.003 - 5.0).collect();
     let mass = rule.integrate_panels(|x| estimate.at([x]), &cuts);
     assert!((mass - 1.0).abs() < 1e-6, "{mass}");
+}
+
+/// The mean of ∫(f̂ - f)² over `many` samples of `draws` points less `claimed`, in standard errors.
+fn apart<const D: usize>(
+    truth: &dyn density_lab::density::Density<D>,
+    estimator: &dyn Estimator<D>,
+    (draws, many): (usize, u64),
+    grid: &Grid<D>,
+    claimed: f64,
+) -> f64 {
+    let values: Vec<f64> = grid.centres().map(|x| truth.at(x)).collect();
+    let cell = grid.cell_measure();
+    let errors: Vec<f64> = (0..many)
+        .into_par_iter()
+        .map(|replicate| {
+            let mut random = stream(2027, "adaptive error", replicate);
+            let points = truth.draws(draws, &mut random);
+            let sample = Sample::equal(points, truth.domain().clone()).unwrap();
+            let estimate = estimator.fit(&sample).unwrap().on(grid);
+            let squares = estimate.values().iter().zip(&values);
+            squares.map(|(a, b)| (a - b).powi(2)).sum::<f64>() * cell
+        })
+        .collect();
+    let n = many as f64;
+    let mean = errors.iter().sum::<f64>() / n;
+    let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean - claimed) / (variance / n).sqrt()
+}
+
+/// Exact integrated errors against chance, on a line and in the plane, and a claim that is 5 % too low, which is caught.
+#[test]
+fn integrated_errors_are_those_of_estimates() {
+    let numbers = |h: f64| {
+        let mut values = Values::defaults(Abramson::<1>::PARAMETERS);
+        values.set("bandwidth", Value::Number(h));
+        values.set("pilot", Value::Word("truth".to_owned()));
+        values
+    };
+    let (draws, h) = (60, 0.4);
+    let line = density::named("bimodal").unwrap();
+    let context = Context::<1> {
+        truth: Some(line.clone()),
+        draws,
+    };
+    let estimator = Abramson::<1>::build(&numbers(h), &context).unwrap();
+    let errors = estimator.family().unwrap().errors(&*line).unwrap();
+    let mise = errors.at(h, draws as f64).unwrap().mise();
+    let grid = Grid::new([-5.0], [5.0], [250]).unwrap();
+    let found = |claimed| apart(&*line, &estimator, (draws, 6000), &grid, claimed);
+    assert!(found(mise).abs() < 4.0, "{}", found(mise));
+    assert!(found(0.95 * mise) > 4.0);
+
+    let (draws, h) = (50, 0.6);
+    let plane = density::named_in_plane("normal-2d").unwrap();
+    let context = Context::<2> {
+        truth: Some(plane.clone()),
+        draws,
+    };
+    let estimator = Abramson::<2>::build(&numbers(h), &context).unwrap();
+    let errors = estimator.family().unwrap().errors_in_plane(&*plane);
+    let mise = errors.unwrap().at(h, draws as f64).unwrap().mise();
+    let grid = Grid::new([-5.0; 2], [5.0; 2], [32, 32]).unwrap();
+    let found = |claimed| apart(&*plane, &estimator, (draws, 3000), &grid, claimed);
+    assert!(found(mise).abs() < 4.0, "{}", found(mise));
+    assert!(found(0.95 * mise) > 4.0);
 }

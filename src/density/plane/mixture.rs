@@ -1,5 +1,6 @@
 //! Weighted normals in the plane, with any covariance.
 
+use super::slices::standard_normal;
 use crate::density::{Bivariate, Builder, Density, Entry};
 use crate::numeric::special::{
     normal_density, normal_distribution, normal_probability, normal_quantile,
@@ -299,6 +300,24 @@ impl Density<2> for PlaneMixture {
 }
 
 impl Bivariate for PlaneMixture {
+    /// In coordinates in which a component is round.
+    fn probability_within(&self, corners: &[Point<2>]) -> f64 {
+        self.components
+            .iter()
+            .map(|part| {
+                let ([s, t], correlation) = (part.deviations(), part.correlation());
+                let rest = (1.0 - correlation * correlation).sqrt();
+                let round = |x: &Point<2>| {
+                    let u = (x[0] - part.mean[0]) / s;
+                    let v = (x[1] - part.mean[1]) / t;
+                    [u, (v - correlation * u) / rest]
+                };
+                let ring: Vec<Point<2>> = corners.iter().map(round).collect();
+                part.weight * standard_normal(&ring)
+            })
+            .sum()
+    }
+
     fn gradient(&self, x: Point<2>) -> [f64; 2] {
         [0, 1].map(|axis: usize| -self.sum(x, |at| at.pull[axis]))
     }

@@ -13,6 +13,7 @@
 pub(super) mod mixture;
 pub(super) mod product;
 pub(super) mod room;
+mod slices;
 pub(super) mod smooth;
 pub(super) mod square;
 pub(super) mod window;

@@ -1,9 +1,10 @@
 //! Two densities on lines, one for each axis, independent of each other.
 
+use super::slices::{Change, sliced};
 use crate::density::{self, Bivariate, Builder, Density, Entry, Univariate};
 use crate::parameter::{BuildError, Kind, Parameter, Values, nearest};
 use crate::random::Stream;
-use crate::space::{Domain, Field, Point};
+use crate::space::{Domain, Field, Point, clipped_to_box};
 use std::sync::Arc;
 
 /// f(x, y) = g(x) k(y).
@@ -73,6 +74,21 @@ impl Density<2> for Product {
 }
 
 impl Bivariate for Product {
+    /// By slices: the density of the first axis times the probability under that of the second.
+    fn probability_within(&self, corners: &[Point<2>]) -> f64 {
+        let (low, high) = self.bulk(1e-18);
+        let change = Change {
+            breaks: [self.breaks(0), self.breaks(1)],
+            scales: [self.finest_scale(0), self.finest_scale(1)],
+        };
+        let [f, g] = &self.factors;
+        sliced(
+            &clipped_to_box(corners, low, high),
+            &change,
+            |x, bottom, top| f.at([x]) * g.probability([bottom], [top]),
+        )
+    }
+
     fn gradient(&self, x: Point<2>) -> [f64; 2] {
         let [f, g] = self.each(|factor, axis| factor.at([x[axis]]));
         let [df, dg] = self.each(|factor, axis| factor.derivative(1, x[axis]));

@@ -3,7 +3,7 @@
 use crate::density::{Bivariate, Builder, Density, Entry};
 use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
 use crate::random::{Stream, open_unit};
-use crate::space::{Domain, Field, Point, Polygon, polygon_moments};
+use crate::space::{Domain, Field, Point, Polygon, polygon_moments, within_convex};
 use std::sync::Arc;
 
 /// f(x) = (1 + s·(x - c)) / A on a polygon of area A with centroid c: linear, of mass 1 whatever the slope s.
@@ -53,6 +53,14 @@ impl Room {
     fn outline(&self) -> &Polygon {
         self.domain.outline().expect("made with one")
     }
+
+    /// The probability of a part of the room, given as a ring.
+    fn share(&self, ring: &[Point<2>]) -> f64 {
+        let [area, x, y] = polygon_moments(ring);
+        let tilt = self.slope[0] * (x - self.centroid[0] * area)
+            + self.slope[1] * (y - self.centroid[1] * area);
+        ((area + tilt) / self.area).max(0.0)
+    }
 }
 
 impl Field<2> for Room {
@@ -94,10 +102,7 @@ impl Density<2> for Room {
 
     /// By clipping the polygon to the box; exact to rounding.
     fn probability(&self, low: Point<2>, high: Point<2>) -> f64 {
-        let [area, x, y] = polygon_moments(&self.outline().within(low, high));
-        let tilt = self.slope[0] * (x - self.centroid[0] * area)
-            + self.slope[1] * (y - self.centroid[1] * area);
-        ((area + tilt) / self.area).max(0.0)
+        self.share(&self.outline().within(low, high))
     }
 
     fn breaks(&self, axis: usize) -> Vec<f64> {
@@ -122,6 +127,11 @@ impl Density<2> for Room {
 }
 
 impl Bivariate for Room {
+    /// The room is cut by the line of each edge; exact to rounding.
+    fn probability_within(&self, corners: &[Point<2>]) -> f64 {
+        self.share(&within_convex(self.outline().vertices(), corners))
+    }
+
     fn gradient(&self, x: Point<2>) -> [f64; 2] {
         if self.domain.contains(x) {
             self.slope.map(|s| s / self.area)

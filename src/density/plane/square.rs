@@ -1,11 +1,12 @@
 //! Light on the unit square: flat, a ramp, spots with soft edges and discs with sharp ones, in any mixture.
 
 use super::mixture::{below, moments};
+use super::slices::{area_in_disc, standard_normal};
 use crate::density::{Bivariate, Builder, Density, Entry};
 use crate::numeric::special::{normal_density, normal_probability, normal_quantile};
 use crate::parameter::{Absent, BuildError, Kind, Parameter};
 use crate::random::{Stream, open_unit};
-use crate::space::{Domain, Field, Point};
+use crate::space::{Domain, Field, Point, clipped_to_box, polygon_moments};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -129,6 +130,25 @@ impl SquarePart {
                 let inside = area(high[0], high[1]) - area(low[0], high[1]) - area(high[0], low[1])
                     + area(low[0], low[1]);
                 inside.max(0.0) / (PI * radius * radius)
+            }
+        }
+    }
+
+    /// The probability of a convex polygon within the square.
+    fn probability_within(&self, ring: &[Point<2>]) -> f64 {
+        let about = |centre: Point<2>, scale: f64| -> Vec<Point<2>> {
+            let moved = |x: &Point<2>| [0, 1].map(|k: usize| (x[k] - centre[k]) / scale);
+            ring.iter().map(moved).collect()
+        };
+        match *self {
+            Self::Flat => polygon_moments(ring)[0].max(0.0),
+            Self::Ramp => 2.0 * polygon_moments(ring)[1].max(0.0),
+            Self::Spot { centre, deviation } => {
+                let whole = kept(centre[0], deviation) * kept(centre[1], deviation);
+                standard_normal(&about(centre, deviation)) / whole
+            }
+            Self::Disc { centre, radius } => {
+                area_in_disc(&about(centre, 1.0), radius) / (PI * radius * radius)
             }
         }
     }
@@ -307,6 +327,14 @@ impl Density<2> for Square {
 }
 
 impl Bivariate for Square {
+    fn probability_within(&self, corners: &[Point<2>]) -> f64 {
+        let ring = clipped_to_box(corners, [0.0; 2], [1.0; 2]);
+        self.parts
+            .iter()
+            .map(|(share, part)| share * part.probability_within(&ring))
+            .sum()
+    }
+
     fn gradient(&self, x: Point<2>) -> [f64; 2] {
         [0, 1].map(|axis: usize| self.sum(x, |part| part.derivatives(x).0[axis]))
     }

@@ -5,7 +5,7 @@ use crate::density::{Bivariate, Builder, Density, Entry, named_in_plane};
 use crate::numeric::{GaussLegendre, Sum, panels};
 use crate::parameter::{BuildError, Kind, Parameter, Values};
 use crate::random::Stream;
-use crate::space::{Domain, Field, Point, Polygon, polygon_moments};
+use crate::space::{Domain, Field, Point, Polygon, polygon_moments, within_convex};
 use std::sync::Arc;
 
 /// f = g / p inside a polygon, with p the probability of the polygon under g. Its edges are only the ends of what is seen; [`Density::beyond`] gives g.
@@ -136,6 +136,16 @@ impl Density<2> for WindowPlane {
 }
 
 impl Bivariate for WindowPlane {
+    /// Of the triangles that the window is made of, each cut to the polygon.
+    fn probability_within(&self, corners: &[Point<2>]) -> f64 {
+        let parts = self.outline().triangles();
+        let parts = parts.iter().map(|part| within_convex(part, corners));
+        let sum: Sum = parts
+            .map(|ring| self.whole.probability_within(&ring))
+            .collect();
+        sum.value() / self.mass
+    }
+
     fn gradient(&self, x: Point<2>) -> [f64; 2] {
         if self.domain.contains(x) {
             self.whole.gradient(x).map(|slope| slope / self.mass)

@@ -4,15 +4,15 @@ use crate::density::Density;
 use crate::engine::{EXACT, Engine, LINE, Planned};
 use crate::estimator::kde::SYMMETRY;
 use crate::estimator::{
-    Build, BuildError, Context, Described, Estimate, Estimator, FitError, Laws, Moments,
+    Build, BuildError, Context, Described, Estimate, Estimator, Family, FitError, Laws, Moments,
 };
 use crate::kernel::{Bandwidth, KernelSum, Shape, Symmetry};
-use crate::numeric::Sum;
+use crate::numeric::{Sum, sign_change};
 use crate::parameter::{Absent, Kind, Parameter, Values};
 use crate::sample::Sample;
 use crate::selector::{NormalReference, Scott, Selector, Silverman};
 use crate::space::{Domain, Evaluation, Field, Point, Targets, Warning};
-use crate::theory::{adaptive_moments, geometric_mean, kernel_moments};
+use crate::theory::{FixedPilot, WidthLaw, adaptive_moments, geometric_mean, kernel_moments};
 use std::sync::Arc;
 
 /// f̂(x) = Σ wᵢ K((x - Xᵢ)/hᵢ)/hᵢ with hᵢ = h (p(Xᵢ)/g)^(-α), p a pilot estimate, g the geometric mean of p over the data, α = 1/2.
@@ -29,8 +29,7 @@ pub struct Abramson<const D: usize = 1> {
     pub(super) symmetry: Symmetry,
     pub(super) width: Width<D>,
     pub(super) pilot: Pilot<D>,
-    pub(super) exponent: f64,
-    pub(super) clip: f64,
+    pub(super) law: WidthLaw,
 }
 
 /// Where a bandwidth comes from.
@@ -43,6 +42,8 @@ pub(super) enum Width<const D: usize> {
 pub(super) enum Pilot<const D: usize> {
     /// A kernel estimate of the same data with this bandwidth.
     Estimate(Width<D>),
+    /// The same with the bandwidth of the estimate.
+    Tied,
     /// The known truth, with its geometric mean.
     Truth(Arc<dyn Density<D>>, f64),
 }
@@ -95,24 +96,38 @@ impl<const D: usize> Width<D> {
 }
 
 impl<const D: usize> Abramson<D> {
-    /// (p/g)^(-α) with p clipped from below; never so far that a width is beyond all numbers.
-    pub(super) fn stretch(&self, pilot: f64, mean: f64) -> f64 {
-        const LEAST: f64 = 1e-12;
-        (pilot / mean)
-            .max(self.clip)
-            .max(LEAST)
-            .powf(-self.exponent)
+    /// All of its kind but for h, where the pilot is one that theory can follow.
+    pub(super) fn kind(&self) -> Option<Family> {
+        let (shape, symmetry) = (self.shape, self.symmetry);
+        if self.law.exponent == 0.0 {
+            return Some(match symmetry {
+                Symmetry::Product => Family::Kernel(shape),
+                Symmetry::Radial => Family::RadialKernel(shape),
+            });
+        }
+        let pilot = match &self.pilot {
+            Pilot::Truth(..) => FixedPilot::Truth,
+            Pilot::Tied => FixedPilot::Tied,
+            Pilot::Estimate(width) => FixedPilot::Smoothed(width.fixed()?),
+        };
+        Some(Family::Adaptive {
+            shape,
+            symmetry,
+            law: self.law,
+            pilot,
+        })
     }
 
     /// What each width is a multiple of, times what. O(n log n).
     fn stretches(
         &self,
         sample: &Sample<D>,
+        own: f64,
         engines: &'static [&'static dyn Engine<D>],
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<f64>, FitError> {
         let n = sample.len();
-        if self.exponent == 0.0 {
+        if self.law.exponent == 0.0 {
             return Ok(vec![1.0; n]);
         }
         let (values, mean) = match &self.pilot {
@@ -120,8 +135,11 @@ impl<const D: usize> Abramson<D> {
                 let values: Vec<f64> = sample.points().iter().map(|x| truth.at(*x)).collect();
                 (values, *mean)
             }
-            Pilot::Estimate(width) => {
-                let h = width.of(sample, self.shape, warnings)?;
+            pilot => {
+                let h = match pilot {
+                    Pilot::Estimate(width) => width.of(sample, self.shape, warnings)?,
+                    _ => [own; D],
+                };
                 let sum = KernelSum::new(sample.clone(), self.shape, Bandwidth::Fixed(h))?
                     .with_symmetry(self.symmetry);
                 // what a datum contributes to the pilot at its own place: no less is there, whatever an engine rounds to
@@ -143,7 +161,7 @@ impl<const D: usize> Abramson<D> {
         };
         Ok((0..n)
             .map(|i| {
-                let stretch = self.stretch(values[i], mean);
+                let stretch = self.law.stretch(values[i], mean);
                 // a point without weight adds nothing, whatever its width
                 if sample.weight(i) > 0.0 { stretch } else { 1.0 }
             })
@@ -153,7 +171,8 @@ impl<const D: usize> Abramson<D> {
     pub(super) fn promises(&self) -> Laws {
         let fixed = self.width.fixed().is_some();
         let (adapts, sees) = match &self.pilot {
-            _ if self.exponent == 0.0 => (false, true),
+            _ if self.law.exponent == 0.0 => (false, true),
+            Pilot::Tied => (true, fixed),
             Pilot::Truth(..) => (false, true),
             Pilot::Estimate(width) => (true, width.fixed().is_some()),
         };
@@ -186,7 +205,7 @@ impl<const D: usize> Abramson<D> {
             ));
         }
         let widths: Arc<[f64]> = self
-            .stretches(sample, engines, &mut warnings)?
+            .stretches(sample, h, engines, &mut warnings)?
             .into_iter()
             .map(|stretch| h * stretch)
             .collect();
@@ -251,16 +270,20 @@ impl Estimator<1> for Abramson {
     ) -> Option<Vec<Moments>> {
         let (h, draws) = (self.width.fixed()?, draws as f64);
         let at = |x: f64| match &self.pilot {
-            _ if self.exponent == 0.0 => Some(kernel_moments(truth, self.shape, h, draws, x)),
+            _ if self.law.exponent == 0.0 => Some(kernel_moments(truth, self.shape, h, draws, x)),
             Pilot::Truth(pilot, mean) => {
-                let width = |y: f64| h * self.stretch(pilot.at([y]), *mean);
+                let width = |y: f64| h * self.law.stretch(pilot.at([y]), *mean);
                 // the clip bends the width where the pilot passes clip · g
-                let cuts = clip_cuts(&**pilot, self.clip * mean);
+                let cuts = clip_cuts(&**pilot, self.law.clip * mean);
                 Some(adaptive_moments(truth, self.shape, width, &cuts, draws, x))
             }
-            Pilot::Estimate(_) => None,
+            Pilot::Estimate(_) | Pilot::Tied => None,
         };
         places.iter().map(|&[x]| at(x)).collect()
+    }
+
+    fn family(&self) -> Option<Family> {
+        self.kind()
     }
 }
 
@@ -272,10 +295,7 @@ fn clip_cuts(pilot: &dyn Density<1>, level: f64) -> Vec<f64> {
     (0..STEPS)
         .filter_map(|i| {
             let place = |i: usize| low + (high - low) * i as f64 / STEPS as f64;
-            let (a, b) = (place(i), place(i + 1));
-            (above(a) * above(b) < 0.0)
-                .then(|| crate::numeric::root(above, a, b))
-                .flatten()
+            sign_change(above, place(i), place(i + 1))
         })
         .collect()
 }
@@ -287,6 +307,13 @@ fn rule(word: &str) -> Option<Box<dyn Selector<1>>> {
         "scott" => Box::new(Scott),
         _ => return None,
     })
+}
+
+pub(super) fn law(values: &Values) -> WidthLaw {
+    WidthLaw {
+        exponent: values.number("exponent").unwrap_or(0.5),
+        clip: values.number("clip").unwrap_or(0.1),
+    }
 }
 
 const RULES: &[&str] = &["silverman", "normal-reference", "scott"];
@@ -319,9 +346,9 @@ where
         .swept(),
         Parameter::optional(
             "pilot",
-            Kind::PositiveOr(&["silverman", "normal-reference", "scott", "truth"]),
+            Kind::PositiveOr(&["silverman", "normal-reference", "scott", "tied", "truth"]),
             Absent::Word("normal-reference"),
-            "the bandwidth of the pilot estimate; truth: the known density is the pilot",
+            "the bandwidth of the pilot estimate; tied: that of the estimate; truth: the known density is the pilot",
         )
         .length(),
         Parameter::optional(
@@ -347,6 +374,8 @@ impl Build<1> for Abramson {
             .unwrap_or(Shape::Gaussian);
         let pilot = if let Some(width) = Width::given(values, "pilot", rule) {
             Pilot::Estimate(width)
+        } else if values.word("pilot") == Some("tied") {
+            Pilot::Tied
         } else {
             let truth = context.truth.clone().ok_or_else(|| BuildError {
                     parameter: "pilot",
@@ -360,8 +389,7 @@ impl Build<1> for Abramson {
             symmetry: Symmetry::Product,
             width: Width::given(values, "bandwidth", rule).unwrap_or(Width::Number(1.0)),
             pilot,
-            exponent: values.number("exponent").unwrap_or(0.5),
-            clip: values.number("clip").unwrap_or(0.1),
+            law: law(values),
         })
     }
 }

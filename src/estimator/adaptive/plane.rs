@@ -1,9 +1,11 @@
 //! Abramson's estimator in the plane.
 
-use super::abramson::{Abramson, Pilot, Width};
+use super::abramson::{Abramson, Pilot, Width, law};
 use crate::density::Density;
 use crate::engine::PLANE;
-use crate::estimator::{Build, BuildError, Context, Estimate, Estimator, FitError, Laws, Moments};
+use crate::estimator::{
+    Build, BuildError, Context, Estimate, Estimator, Family, FitError, Laws, Moments,
+};
 use crate::kernel::{Shape, Symmetry};
 use crate::numeric::Sum;
 use crate::parameter::Values;
@@ -36,7 +38,7 @@ impl Estimator<2> for Abramson<2> {
         if truth.domain().wraps() {
             return None;
         }
-        if self.exponent == 0.0 {
+        if self.law.exponent == 0.0 {
             let truth = truth.bivariate()?;
             let at = |x: &Point<2>| {
                 plane_kernel_moments(truth, self.shape, self.symmetry, [h; 2], draws, *x)
@@ -46,11 +48,11 @@ impl Estimator<2> for Abramson<2> {
         let Pilot::Truth(pilot, mean) = &self.pilot else {
             return None;
         };
-        let level = self.clip * mean;
-        let width = |y: Point<2>| h * self.stretch(pilot.at(y), *mean);
+        let level = self.law.clip * mean;
+        let width = |y: Point<2>| h * self.law.stretch(pilot.at(y), *mean);
         let bend = |y: Point<2>| pilot.at(y) - level;
         // with next to no clip, far points reach anywhere
-        let widest = Some(self.stretch(0.0, *mean)).filter(|widest| *widest <= WIDEST)?;
+        let widest = Some(self.law.widest()).filter(|widest| *widest <= WIDEST)?;
         // where the density has its peak is not known better than by looking
         let least = h * self.narrowest(&**pilot, *mean);
         let widths = PlaneWidths {
@@ -62,6 +64,10 @@ impl Estimator<2> for Abramson<2> {
         let at = |x: &Point<2>| plane_adaptive_moments(truth, shape, symmetry, &widths, draws, *x);
         Some(places.par_iter().map(at).collect())
     }
+
+    fn family(&self) -> Option<Family> {
+        self.kind()
+    }
 }
 
 impl Abramson<2> {
@@ -70,7 +76,7 @@ impl Abramson<2> {
         let (low, high) = pilot.bulk(1e-6);
         let places = Grid::new(low, high, [64, 64]);
         let least = |grid: Grid<2>| {
-            let factors = grid.centres().map(|y| self.stretch(pilot.at(y), mean));
+            let factors = grid.centres().map(|y| self.law.stretch(pilot.at(y), mean));
             factors.fold(f64::INFINITY, f64::min)
         };
         places.map_or(1.0, least)
@@ -114,6 +120,8 @@ impl Build<2> for Abramson<2> {
         }
         let pilot = if let Some(width) = Width::given(values, "pilot", rule) {
             Pilot::Estimate(width)
+        } else if values.word("pilot") == Some("tied") {
+            Pilot::Tied
         } else {
             let error = |what: &str| BuildError {
                 parameter: "pilot",
@@ -132,8 +140,7 @@ impl Build<2> for Abramson<2> {
             symmetry,
             width: Width::given(values, "bandwidth", rule).unwrap_or(Width::Number(1.0)),
             pilot,
-            exponent: values.number("exponent").unwrap_or(0.5),
-            clip: values.number("clip").unwrap_or(0.1),
+            law: law(values),
         })
     }
 }

@@ -74,9 +74,10 @@ fn try_source<const D: usize>(
                 };
                 if let Some(truth) = &truth {
                     let exact = built.expectation(&**truth, draws, &[]).is_some();
-                    theory
-                        .entry(member.name.clone())
-                        .or_insert_with(|| known(member, exact, built.family().is_some()));
+                    theory.entry(member.name.clone()).or_insert_with(|| {
+                        let family = built.family().filter(|family| family.is_of_estimates());
+                        known(member, exact, family.is_some())
+                    });
                 }
                 if let Some(sample) = &trial
                     && let Err(error) = built.fit(sample)

@@ -232,6 +232,9 @@ impl<const D: usize> Bench<D> {
     pub fn best_of_family(&self, source: usize, size: usize, estimator: usize) -> Option<Optimum> {
         let setting = self.setting(source, size);
         let family = setting.estimators[estimator].family()?;
+        if !family.is_of_estimates() {
+            return None;
+        }
         family.optimum_of(&**self.independent(source)?, setting.draws as f64)
     }
 

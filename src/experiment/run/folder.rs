@@ -131,6 +131,7 @@ impl RunFolder {
         }
         fs::create_dir_all(&partial).map_err(StorageError::at(&partial, "creating"))?;
         let lock = lock(&partial)?;
+        crate::storage::sweep(&partial)?;
         let owner = partial.join(OWNER);
         let known = fs::read_to_string(&owner).unwrap_or_default();
         let (theirs, build) = known.split_once('\n').unwrap_or((&known, ""));

@@ -42,9 +42,10 @@ impl<S: Simd> Nearest<S> {
         }
     }
 
-    /// Takes what is `met` at a distance where that lies ahead, is nearer than what was found, and is not what the ray leaves.
+    /// Takes what is `met` at a distance where that lies ahead, is nearer than what was found, and is not what the ray leaves. Of things in one place the first is taken: those that do not come
+    /// in the order of their numbers must say so by `TIES`.
     #[inline(always)]
-    pub(super) fn take(
+    pub(super) fn take<const TIES: bool>(
         &mut self,
         simd: S,
         met: S::m64s,
@@ -53,7 +54,14 @@ impl<S: Simd> Nearest<S> {
         beam: &Beam<S>,
     ) {
         let ahead = simd.greater_than_f64s(distance, simd.splat_f64s(0.0));
-        let nearer = simd.less_than_f64s(distance, self.distance);
+        let mut nearer = simd.less_than_f64s(distance, self.distance);
+        if TIES {
+            let tie = simd.and_m64s(
+                simd.equal_f64s(distance, self.distance),
+                simd.less_than_f64s(number, self.number),
+            );
+            nearer = simd.or_m64s(nearer, tie);
+        }
         // `not_m64s` would be a call
         let other = simd.or_m64s(
             simd.less_than_f64s(number, beam.leaving),

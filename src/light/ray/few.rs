@@ -91,7 +91,7 @@ impl Oblique {
             simd.less_than_or_equal_f64s(simd.mul_add_f64s(share, s, t), high),
         );
         let met = simd.and_m64s(least, most);
-        best.take(simd, met, distance, simd.splat_f64s(self.number), beam);
+        best.take::<true>(simd, met, distance, simd.splat_f64s(self.number), beam);
     }
 }
 
@@ -120,8 +120,12 @@ impl Few {
     #[inline(always)]
     fn of<S: Simd>(&self, simd: S, beam: &Beam<S>, limit: f64) -> Nearest<S> {
         let mut best = Nearest::before(simd, limit);
-        for rectangles in &self.rectangles {
-            rectangles.nearest(simd, beam, &mut best);
+        // the first are in the order of their numbers, and mostly there are no others
+        if let Some((first, others)) = self.rectangles.split_first() {
+            first.nearest::<S, false>(simd, beam, &mut best);
+            for rectangles in others {
+                rectangles.nearest::<S, true>(simd, beam, &mut best);
+            }
         }
         for oblique in &self.oblique {
             oblique.nearest(simd, beam, &mut best);

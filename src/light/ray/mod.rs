@@ -7,6 +7,8 @@
 //! | `rectangles` | those that stand in right corners |
 //! | `tree` | flat pieces by a hierarchy of boxes: the same answer, for many |
 //! | `spheres` | spheres, one after the other |
+//!
+//! Of things that are met at one distance, to the last bit, such as a facet given twice, the one with the lowest number is met, whoever looks.
 // code compiled for wide registers must end up inside the function that `pulp` compiles for them
 #![allow(clippy::inline_always)]
 

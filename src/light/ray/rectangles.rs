@@ -73,15 +73,20 @@ impl Rectangles {
 
     /// Tries all of them.
     #[inline(always)]
-    pub(super) fn nearest<S: Simd>(&self, simd: S, beam: &Beam<S>, best: &mut Nearest<S>) {
+    pub(super) fn nearest<S: Simd, const TIES: bool>(
+        &self,
+        simd: S,
+        beam: &Beam<S>,
+        best: &mut Nearest<S>,
+    ) {
         let turned = Beam {
             origin: self.turned(simd, &beam.origin),
             direction: self.turned(simd, &beam.direction),
             leaving: beam.leaving,
         };
-        across::<S, 0>(simd, &self.across[0], &turned, best);
-        across::<S, 1>(simd, &self.across[1], &turned, best);
-        across::<S, 2>(simd, &self.across[2], &turned, best);
+        across::<S, 0, TIES>(simd, &self.across[0], &turned, best);
+        across::<S, 1, TIES>(simd, &self.across[1], &turned, best);
+        across::<S, 2, TIES>(simd, &self.across[2], &turned, best);
     }
 
     #[inline(always)]
@@ -101,7 +106,7 @@ impl Rectangles {
 
 /// Those across direction K. Along a plane λ is infinite or no number, and nothing is met.
 #[inline(always)]
-fn across<S: Simd, const K: usize>(
+fn across<S: Simd, const K: usize, const TIES: bool>(
     simd: S,
     rectangles: &[Rectangle],
     beam: &Beam<S>,
@@ -131,6 +136,6 @@ fn across<S: Simd, const K: usize>(
             simd.less_than_or_equal_f64s(simd.mul_f64s(u, u), width),
             simd.less_than_or_equal_f64s(simd.mul_f64s(v, v), height),
         );
-        best.take(simd, met, distance, simd.splat_f64s(rectangle.number), beam);
+        best.take::<TIES>(simd, met, distance, simd.splat_f64s(rectangle.number), beam);
     }
 }

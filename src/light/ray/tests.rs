@@ -197,6 +197,45 @@ fn rays_together_meet_what_each_meets_alone() {
     }
 }
 
+/// Everything is there twice or thrice, in another order: the first is met, by whoever looks and in lanes of any width.
+#[test]
+fn of_facets_in_one_place_the_first_is_met() {
+    for (count, seed) in [(3, 1), (9, 2), (15, 3), (40, 4), (300, 5)] {
+        let once = clutter(count, seed);
+        let twice = once.iter().chain(once.iter().rev()).chain(&once);
+        let facets: Vec<Facet> = twice.copied().collect();
+        let casters = [
+            Caster::new(&facets, Vec::new()),
+            Caster::exhaustive(&facets, Vec::new()),
+        ];
+        let single = Caster::new(&once, Vec::new());
+        let mut random = stream(seed, "twins", 0);
+        let mut rays = Box::new(Rays::default());
+        let mut met = 0;
+        for at in 0..TOGETHER {
+            let mut vector = || Vector::from_fn(|_, _| 3.0 * (random.random::<f64>() - 0.5));
+            let target = once[at % count].place(0.2, 0.3);
+            let origin = vector();
+            rays.set(at, &Ray::new(origin, (target - origin).normalize()));
+        }
+        for arch in [Arch::new(), Arch::Scalar] {
+            arch.dispatch(Together(&casters[0], &mut rays, TOGETHER));
+            for at in 0..TOGETHER {
+                let ray = rays.ray(at);
+                let number = |found: Option<Found>| found.map(|found| found.primitive);
+                let expected = number(single.nearest(&ray, f64::INFINITY));
+                met += usize::from(expected.is_some());
+                assert_eq!(number(rays.found(at)), expected, "{count} {at}");
+                for caster in &casters {
+                    let found = caster.nearest(&ray, f64::INFINITY);
+                    assert_eq!(number(found), expected, "{count} {at}");
+                }
+            }
+        }
+        assert!(met > TOGETHER);
+    }
+}
+
 #[test]
 fn the_tree_of_equal_facets_is_no_endless_one() {
     let facet = clutter(2, 9)[1];

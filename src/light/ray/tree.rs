@@ -236,9 +236,21 @@ impl Tree {
         let mut at = self.root;
         loop {
             if at & LEAF != 0 {
-                let mut best = Best::new(simd, limit);
+                // what is as near as what was found counts if its number is lower
+                let reach = if found.is_some() {
+                    limit.next_up()
+                } else {
+                    limit
+                };
+                let mut best = Best::new(simd, reach);
                 best.try_group(simd, &beam, &self.groups[(at ^ LEAF) as usize]);
-                if let Some(nearer) = best.found(simd) {
+                let before = |new: &Found| {
+                    found.is_none_or(|old| {
+                        new.distance < old.distance
+                            || (new.distance == old.distance && new.primitive < old.primitive)
+                    })
+                };
+                if let Some(nearer) = best.found(simd).filter(before) {
                     limit = nearer.distance;
                     found = Some(nearer);
                 }

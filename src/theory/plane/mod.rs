@@ -11,13 +11,15 @@
 //! | any other | any | integrated errors are not known; [`plane_kernel_moments`] are |
 
 mod adaptive;
+mod adaptive_error;
 mod deficit;
 mod histogram;
 mod pointwise;
 mod twice;
 
 pub use adaptive::{PlaneWidths, plane_adaptive_moments};
-pub use histogram::PlaneHistogramError;
+pub use adaptive_error::PlaneAdaptiveError;
+pub use histogram::{PlaneHistogramError, plane_histogram_moments};
 pub use pointwise::{plane_equivalent_moments, plane_kernel_moments};
 
 use super::kernel::Parts;

@@ -21,7 +21,7 @@ const INSIDE: [Point<2>; 4] = [[0.04, 0.5], [0.12, 0.09], [0.45, 0.41], [0.46, 0
 const OPEN: [Point<2>; 4] = [[0.0, 0.0], [0.9, -0.3], [-1.4, 1.1], [2.3, 0.4]];
 
 /// Density, estimator, places.
-const SUBJECTS: [(&str, &str, [Point<2>; 4]); 14] = [
+const SUBJECTS: [(&str, &str, [Point<2>; 4]); 17] = [
     (
         "normal-2d",
         "kernel = { shape = \"epanechnikov\", bandwidth = 0.8 }",
@@ -84,6 +84,13 @@ const SUBJECTS: [(&str, &str, [Point<2>; 4]); 14] = [
         "legendre-series = { terms = 3, taper = \"fejer\" }",
         INSIDE,
     ),
+    (
+        "normal-2d",
+        "histogram = { width = 1.3, width-y = 0.8, angle = 30, origin = 0.2 }",
+        OPEN,
+    ),
+    ("l-shape", "histogram = { width = 0.3, angle = 20 }", INSIDE),
+    ("disc", "histogram = { width = 0.31, angle = -65 }", INSIDE),
 ];
 
 fn built(text: &str, draws: usize) -> Box<dyn Estimator<2>> {
@@ -160,8 +167,15 @@ fn what_estimators_of_the_plane_claim_to_expect_is_what_happens() {
 /// A mean that is 1 % too high is rejected at the level of the test above.
 #[test]
 fn a_planted_fault_of_one_percent_is_noticed() {
-    let truth = named_in_plane("ramp-2d").unwrap();
-    let text = "kernel = { shape = \"epanechnikov\", symmetry = \"radial\", bandwidth = 0.4, boundary = \"reflect\" }";
+    noticed(
+        "ramp-2d",
+        "kernel = { shape = \"epanechnikov\", symmetry = \"radial\", bandwidth = 0.4, boundary = \"reflect\" }",
+    );
+    noticed("disc", "histogram = { width = 0.4, angle = 35 }");
+}
+
+fn noticed(density: &str, text: &str) {
+    let truth = named_in_plane(density).unwrap();
     let (draws, replicates) = (200, 20_000);
     let estimator = built(text, draws);
     let right = estimator.expectation(&*truth, draws, &INSIDE).unwrap();

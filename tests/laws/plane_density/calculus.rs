@@ -4,7 +4,7 @@ use super::all;
 use density_lab::density::Bivariate;
 use density_lab::numeric::{GaussLegendre, Sum, panels};
 use density_lab::random::{Stream, open_unit, stream};
-use density_lab::space::Point;
+use density_lab::space::{Lattice, Point};
 use rayon::prelude::*;
 
 const WHOLE: [Point<2>; 2] = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
@@ -80,6 +80,82 @@ fn probabilities_are_the_integral_of_the_density() {
                 "{name} at {x:?}: {mean} {f}"
             );
         }
+    });
+}
+
+/// Convex polygons: boxes are boxes, turned rectangles that cover all hold all, and of a small one the probability is its area times the density.
+#[test]
+fn polygons_have_the_probability_of_what_they_cover() {
+    all().par_iter().for_each(|(name, truth)| {
+        let mut random = stream(17, "polygons", 0);
+        for _ in 0..40 {
+            let (a, b) = (
+                somewhere(&**truth, 1e-3, &mut random),
+                somewhere(&**truth, 1e-3, &mut random),
+            );
+            let (low, high) = (
+                [a[0].min(b[0]), a[1].min(b[1])],
+                [a[0].max(b[0]), a[1].max(b[1])],
+            );
+            let within =
+                truth.probability_within(&[low, [high[0], low[1]], high, [low[0], high[1]]]);
+            let known = truth.probability(low, high);
+            assert!((within - known).abs() < 1e-12, "{name}: {within} {known}");
+        }
+        let (low, high) = truth.bulk(1e-18);
+        let middle = [0, 1].map(|k: usize| 0.5 * (low[k] + high[k]));
+        let finest = truth.finest_scale(0).min(truth.finest_scale(1));
+        for degrees in [31.0, 90.0, 107.0, -45.0] {
+            let widths = [0, 1].map(|k: usize| (high[k] - low[k]) / 5.3);
+            let lattice = Lattice::new(widths, middle, degrees);
+            let [first, last] = lattice.numbers(low, high);
+            let mut sum = Sum::default();
+            for i in 0..=(last[0] - first[0]) as usize {
+                for j in 0..=(last[1] - first[1]) as usize {
+                    let number = [first[0] + i as f64, first[1] + j as f64];
+                    let part = truth.probability_within(&lattice.within(number, low, high));
+                    assert!((0.0..=1.0 + 1e-12).contains(&part), "{name}: {part}");
+                    sum.add(part);
+                }
+            }
+            assert!(
+                (sum.value() - 1.0).abs() < 1e-11,
+                "{name}: {degrees} {}",
+                sum.value()
+            );
+        }
+        let side = 1e-3 * finest.min(deviation(&**truth));
+        let peak = (0..2000)
+            .map(|_| truth.at(somewhere(&**truth, 1e-3, &mut random)))
+            .fold(0.0, f64::max);
+        let (mut tested, mut skipped) = (0, 0);
+        while tested < 200 {
+            let x = somewhere(&**truth, 1e-3, &mut random);
+            let (sine, cosine) = (7.0 * open_unit(&mut random)).sin_cos();
+            let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[u, v]| {
+                let (u, v) = (u * side, v * side);
+                [
+                    cosine.mul_add(u, x[0] - sine * v),
+                    sine.mul_add(u, x[1] + cosine * v),
+                ]
+            });
+            let f = truth.at(x);
+            // a jump runs through the square
+            if (corners.iter()).any(|c| (truth.at(*c) - f).abs() > 0.01 * f + 1e-5 * peak) {
+                skipped += 1;
+                assert!(skipped < 200, "{name}: jumps everywhere");
+                continue;
+            }
+            tested += 1;
+            let mean = truth.probability_within(&corners) / (side * side);
+            assert!(
+                (mean - f).abs() < 2e-6 * (f + peak),
+                "{name} at {x:?}: {mean} {f}"
+            );
+        }
+        assert!(
+            truth.probability_within(&[]) == 0.0 && truth.probability_within(&[middle; 2]) == 0.0
+        );
     });
 }
 

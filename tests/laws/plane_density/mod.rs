@@ -55,7 +55,7 @@ fn all() -> Vec<(String, Truth)> {
         &[11.0, 11.0],
         &[12.0, 9.5],
     ];
-    let more: [(&str, Vec<(&'static str, Value)>); 9] = [
+    let more: [(&str, Vec<(&'static str, Value)>); 10] = [
         (
             "normal-mixture-2d",
             vec![(
@@ -104,6 +104,13 @@ fn all() -> Vec<(String, Truth)> {
                 ("vertices", rows(&["x", "y"], &corners)),
                 ("slope-x", number(-0.6)),
                 ("slope-y", number(0.2)),
+            ],
+        ),
+        (
+            "product",
+            vec![
+                ("x", word("truncated-exponential")),
+                ("y", word("ramp-down")),
             ],
         ),
     ];
