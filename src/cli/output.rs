@@ -95,7 +95,7 @@ impl Output {
         })
     }
 
-    fn writer(&mut self) -> &mut dyn Write {
+    fn writer(&mut self) -> &mut (dyn Write + Send) {
         match &mut self.sink {
             Sink::Stream(writer) => writer,
             Sink::Special(writer) => writer,
@@ -119,6 +119,19 @@ impl Output {
     pub fn write_all(&mut self, bytes: &[u8]) -> Result<(), Stop> {
         let result = self.writer().write_all(bytes);
         self.check(result)
+    }
+
+    /// Lets something else write.
+    ///
+    /// # Errors
+    /// If it could not.
+    #[cfg(feature = "parquet")]
+    pub fn through<T>(
+        &mut self,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<T>,
+    ) -> Result<T, Stop> {
+        let result = write(self.writer());
+        result.map_err(|error| Stop::writing(&self.name, &error))
     }
 
     /// Writes a value as indented JSON.

@@ -29,7 +29,7 @@ Examples:
   lab trace data/scenes/cornell-box.toml --photons 1e7 --seed 7 -o hits.npy
   lab trace data/scenes/furnace.toml --photons 1000 --power attenuated | head
 
-Columns of a .csv: surface,u,v,x,y,z,flux_r,flux_g,flux_b,bounce. A .npy holds the numbers of surface and path and the direction of arrival too.")]
+Columns of a .csv: surface,u,v,x,y,z,flux_r,flux_g,flux_b,bounce. A .npy holds the numbers of surface and path and the direction of arrival too, and so does a .parquet.")]
 pub struct Trace {
     /// The scene file; - is the standard input
     #[arg(value_name = "SCENE.toml")]
@@ -47,7 +47,7 @@ pub struct Trace {
     #[arg(long, value_enum, default_value = "same")]
     power: Scheme,
 
-    /// Where to: a .csv file or an .npy array [default: CSV on stdout]
+    /// Where to: a .csv file, an .npy array, or a .parquet file if lab is built with the feature parquet [default: CSV on stdout]
     #[arg(short, long, value_name = "HITS")]
     output: Option<PathBuf>,
 }
@@ -73,8 +73,13 @@ impl Trace {
         let walk = Walk::new(&scene, power, self.photons, self.seed)
             .map_err(|error| Stop::Input(format!("--photons: {error}")))?;
         let format = self.output.as_deref().map_or(Format::Table, Format::of);
+        if format == Format::Columns && !cfg!(feature = "parquet") {
+            return Err(Stop::Input(
+                "-o: this build does not write Parquet; write .npy or .csv, or build lab with it: cargo install --path . --features parquet".to_owned(),
+            ));
+        }
         // an unwritable place is found out before any work
-        let mut output = Output::open(self.output.as_deref())?;
+        let output = Output::open(self.output.as_deref())?;
         let work = Work {
             walk: &walk,
             scene: &scene,
@@ -84,9 +89,7 @@ impl Trace {
         if work.pieces == 1 {
             let piece = work.piece(0);
             check(&piece.ledger, &scene)?;
-            output.write_all(&format.head(scene.colour, piece.ledger.hits))?;
-            output.write_all(&piece.rows)?;
-            output.finish()?;
+            write(output, format, &scene, piece.ledger.hits, [Ok(piece.rows)])?;
             say(&piece.ledger, notes);
             return Ok(());
         }
@@ -99,17 +102,16 @@ impl Trace {
             spool.remove()?;
             return Err(fault);
         }
-        output.write_all(&format.head(scene.colour, ledger.hits))?;
-        for number in 0..work.pieces {
+        let pieces = (0..work.pieces).map(|number| {
             let piece = spool.load(number).ok_or_else(|| {
                 Stop::System(format!(
                     "{}: a piece of the trace is gone",
                     aside.path().display()
                 ))
             })?;
-            output.write_all(&piece.rows)?;
-        }
-        output.finish()?;
+            Ok(piece.rows)
+        });
+        write(output, format, &scene, ledger.hits, pieces)?;
         spool.remove()?;
         say(&ledger, notes);
         Ok(())
@@ -217,6 +219,42 @@ impl Work<'_> {
         }
         Ok(all)
     }
+}
+
+/// Writes the rows of all pieces.
+fn write(
+    mut output: Output,
+    format: Format,
+    scene: &Scene,
+    hits: u64,
+    pieces: impl IntoIterator<Item = Result<Vec<u8>, Stop>>,
+) -> Result<(), Stop> {
+    #[cfg(feature = "parquet")]
+    if format == Format::Columns {
+        let mut stopped = None;
+        output.through(|sink| {
+            let mut columns = crate::light::hits::Columns::new(sink, scene.colour)?;
+            for rows in pieces {
+                match rows {
+                    Ok(rows) => columns.group(&rows)?,
+                    Err(stop) => {
+                        stopped = Some(stop);
+                        break;
+                    }
+                }
+            }
+            columns.finish()
+        })?;
+        return match stopped {
+            Some(stop) => Err(stop),
+            None => output.finish(),
+        };
+    }
+    output.write_all(&format.head(scene.colour, hits))?;
+    for rows in pieces {
+        output.write_all(&rows?)?;
+    }
+    output.finish()
 }
 
 fn check(ledger: &Ledger, scene: &Scene) -> Result<(), Stop> {

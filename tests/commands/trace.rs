@@ -180,3 +180,52 @@ fn what_cannot_be_traced_is_said() {
         .says("light leaks");
     assert_eq!(bench.listing(), ["bad.toml", "gap.toml"]);
 }
+
+/// Columns are an optional part: without it the answer says how to get it.
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn parquet_is_refused_with_how_to_get_it() {
+    let room = scene("cornell-box-rgb.toml");
+    let bench = Bench::new().with("some.parquet", b"PAR1");
+    bench
+        .run(&["trace", &room, "--photons", "10", "-o", "hits.parquet"])
+        .ends_with(2)
+        .says("--features parquet");
+    assert!(!bench.path("hits.parquet").exists());
+    bench
+        .run(&["select", "some.parquet", "--column", "u"])
+        .ends_with(2)
+        .says("--features parquet");
+}
+
+/// In several pieces, by any number of threads; read by the names of its columns.
+#[cfg(feature = "parquet")]
+#[test]
+fn parquet_is_written_and_read_again() {
+    let bench = Bench::new();
+    let room = scene("cornell-box-rgb.toml");
+    for (threads, name) in [
+        ("1", "one.parquet"),
+        ("2", "two.parquet"),
+        ("2", "hits.csv"),
+    ] {
+        let threads = ["--threads", threads, "-o", name];
+        let all = ["trace", &room, "--photons", "7e4"]
+            .into_iter()
+            .chain(threads);
+        bench.run(&all.collect::<Vec<_>>()).succeeds();
+    }
+    let bytes = |name: &str| fs::read(bench.path(name)).unwrap();
+    assert!(bytes("one.parquet") == bytes("two.parquet"));
+    let selected = |name: &str| {
+        let all = [
+            "select", name, "--column", "u", "--weight", "flux_g", "--json",
+        ];
+        bench.run(&all).succeeds().stdout
+    };
+    assert_eq!(selected("one.parquet"), selected("hits.csv"));
+    bench
+        .run(&["select", "one.parquet", "--column", "w"])
+        .ends_with(2)
+        .says("the columns are \"surface\"");
+}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | CSV | `surface,u,v,x,y,z,flux_r,flux_g,flux_b,bounce`: the surface by name, fluxes as linear sRGB whatever the colour of the scene |
 //! | NumPy, a structured array | `surface`, `bounce`, `path`, `part` (numbers), `u`, `v`, `place` (3), `flux_rgb` or `flux_xyz` (3), `direction` (3) |
+//! | Parquet, if built with the feature `parquet` | the same numbers, each a column: `surface`, `bounce`, `path`, `part`, `u`, `v`, `x`, `y`, `z`, `flux_r` ... or `flux_x` ..., `direction_x` ... |
 //!
 //! Rows are in the order of paths. Over wavelengths a single photon lies outside of the triangle of sRGB, so that one of its three fluxes in a CSV file
 //! may be negative; the array holds X, Y and Z, which are not.
@@ -23,6 +24,8 @@ pub enum Format {
     Table,
     /// A NumPy array.
     Array,
+    /// Columns of a Parquet file, if built with the feature `parquet`: groups of rows that are those of an array.
+    Columns,
 }
 
 /// Why a file gave no hits.
@@ -42,22 +45,23 @@ pub enum HitsError {
 }
 
 /// Bytes of a row of an array.
-const ROW: usize = 56;
+pub(super) const ROW: usize = 56;
 
 impl Format {
-    /// What the ending of a path asks for: an array for `.npy`, a table otherwise.
+    /// What the ending of a path asks for: an array for `.npy`, columns for `.parquet`, a table otherwise.
     pub fn of(path: &Path) -> Self {
-        if path.extension().is_some_and(|ending| ending == "npy") {
-            Self::Array
-        } else {
-            Self::Table
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("npy") => Self::Array,
+            Some("parquet") => Self::Columns,
+            _ => Self::Table,
         }
     }
 
-    /// What comes before the rows.
+    /// What comes before the rows; nothing before columns.
     pub fn head(self, colour: Colour, rows: u64) -> Vec<u8> {
         match self {
             Self::Table => b"surface,u,v,x,y,z,flux_r,flux_g,flux_b,bounce\n".to_vec(),
+            Self::Columns => Vec::new(),
             Self::Array => {
                 let about = format!(
                     "{{'descr': {}, 'fortran_order': False, 'shape': ({rows},), }}",
@@ -95,7 +99,7 @@ impl Format {
                 // writing to memory does not fail
                 let _ = writeln!(out, ",{}", record.bounce);
             }
-            Self::Array => {
+            Self::Array | Self::Columns => {
                 out.extend(record.surface.to_le_bytes());
                 out.extend(record.bounce.to_le_bytes());
                 out.extend(record.path.to_le_bytes());

@@ -3,10 +3,14 @@
 //! A hit is flux *before* absorption, so that the density of hits over a surface, weighted by their flux, is irradiance. Weights are Φ/N where N
 //! counts **emitted** paths, never hits. Coordinates and fluxes are kept in single precision, 36 bytes a hit.
 
+#[cfg(feature = "parquet")]
+mod columns;
 mod file;
 mod record;
 mod spool;
 
+#[cfg(feature = "parquet")]
+pub use columns::Columns;
 pub use file::{Format, HitsError, read};
 pub use record::{Record, folded};
 pub use spool::{Piece, Spool};

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | CSV (`,`; or `;` or tab if the first line has no `,`) | being neither of the others | the header, or their number from 1 |
 //! | NumPy `.npy`, one or two axes, `f4` or `f8` | its first bytes | their number from 1 |
+//! | Parquet, if built with the feature `parquet` | its first bytes | their names, or their number from 1 |
 //!
 //! A name that no header cell has but that is a whole number is the number of a column, from 1. A first line of numbers only is data: such a
 //! file has no header. A byte order mark, CRLF line ends, quoted cells and blank lines are understood; there are no comment lines.
@@ -16,6 +17,8 @@
 
 mod array;
 mod columns;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod table;
 
 use super::{Sample, SampleError};
@@ -138,6 +141,14 @@ fn read_rows<const D: usize>(path: &Path, request: &Request<'_, D>) -> Result<Re
     if head.starts_with(array::MAGIC) {
         let file = size.map(|size| (path, size));
         array::read(reader, file, &mut rows)?;
+    } else if cfg!(feature = "parquet") && head.starts_with(PARQUET) {
+        if size.is_none() {
+            return Err(
+                origin.content("Parquet is read from its end: give a file on a disk".to_owned())
+            );
+        }
+        #[cfg(feature = "parquet")]
+        parquet::read(path, &mut rows)?;
     } else if let Some(refusal) = refusal(head) {
         return Err(origin.content(refusal));
     } else {
@@ -145,6 +156,9 @@ fn read_rows<const D: usize>(path: &Path, request: &Request<'_, D>) -> Result<Re
     }
     rows.finish()
 }
+
+/// How Parquet files begin.
+const PARQUET: &[u8] = b"PAR1";
 
 /// What the first bytes say against reading the file as text.
 fn refusal(head: &[u8]) -> Option<String> {
@@ -175,7 +189,11 @@ fn refusal(head: &[u8]) -> Option<String> {
             "decompress it first: lz4 -dc FILE | lab ... -",
         ),
         (b"PK\x03\x04", "zip (.zip, .npz, .xlsx)", "unpack it first"),
-        (b"PAR1", "Parquet", "write it as .csv or .npy first"),
+        (
+            PARQUET,
+            "Parquet",
+            "write it as .csv or .npy first, or build lab with it: cargo install --path . --features parquet",
+        ),
         (b"\x89HDF", "HDF5", "write it as .csv or .npy first"),
         (b"ARROW1", "Arrow", "write it as .csv or .npy first"),
         (b"\xff\xfe", "UTF-16", "save it as UTF-8"),
