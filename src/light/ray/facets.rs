@@ -213,7 +213,7 @@ impl<S: Simd> Best<S> {
         S::as_mut_simd_f64s(&mut spread[1]).0[0] = self.number;
         for lane in 0..lanes {
             // of facets in one place the first; lanes are not in the order of numbers
-            let tie = spread[0][lane] == distance && spread[1][lane] < number;
+            let tie = spread[0][lane] <= distance && spread[1][lane] < number;
             let nearer = spread[1][lane] >= 0.0 && (spread[0][lane] < distance || tie);
             distance = if nearer { spread[0][lane] } else { distance };
             number = if nearer { spread[1][lane] } else { number };

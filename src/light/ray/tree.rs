@@ -247,7 +247,7 @@ impl Tree {
                 let before = |new: &Found| {
                     found.is_none_or(|old| {
                         new.distance < old.distance
-                            || (new.distance == old.distance && new.primitive < old.primitive)
+                            || (new.distance <= old.distance && new.primitive < old.primitive)
                     })
                 };
                 if let Some(nearer) = best.found(simd).filter(before) {

@@ -60,6 +60,11 @@ impl<'a> PlaneAdaptiveError<'a> {
         })
     }
 
+    /// How far apart places are, in units of the least width.
+    fn step(&self) -> f64 {
+        if self.is_round() { 0.6 } else { 1.0 / FINE }
+    }
+
     fn is_round(&self) -> bool {
         self.shape == Shape::Gaussian
     }
@@ -145,17 +150,20 @@ impl<'a> PlaneAdaptiveError<'a> {
         stretches.fold(f64::INFINITY, f64::min)
     }
 
-    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample).
+    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample); not numbers for widths below some thousandth of the density's (a hundredth for kernels that end).
     pub fn at(&self, h: f64, draws: f64) -> Integrated {
         let b = self.pilot.bandwidth(h);
         let mean = self.geometric_mean(b);
         let least = h * self.narrowest(b, mean);
-        let step = if self.is_round() {
-            0.6 * least
-        } else {
-            least / FINE
-        };
-        let from = [0, 1].map(|axis| self.axis(axis, step.max(self.across(axis) / MOST)));
+        let step = least * self.step();
+        if (0..2).any(|axis| self.across(axis) > MOST * step) {
+            // so narrow that the density has too many parts: not known
+            return Integrated {
+                squared_bias: f64::NAN,
+                variance: f64::NAN,
+            };
+        }
+        let from = [0, 1].map(|axis| self.axis(axis, step));
         let from = [&from[0], &from[1]];
         let widths: Vec<f64> = (self.pilot_on(b, from).into_iter())
             .map(|p| h * self.law.stretch(p, mean))
@@ -195,7 +203,8 @@ impl<'a> PlaneAdaptiveError<'a> {
         let (low, high) = (low[axis] - reach * widest, high[axis] + reach * widest);
         if self.truth.normal_components().is_some() {
             let scale = self.truth.finest_scale(0).min(self.truth.finest_scale(1));
-            return even(low, high, 0.5 * scale);
+            // a bias of fourth order changes within less than the density does
+            return even(low, high, 0.2 * scale);
         }
         let mut cuts = Vec::new();
         for place in self.truth.breaks(axis) {
@@ -248,8 +257,9 @@ impl<'a> PlaneAdaptiveError<'a> {
                     scaled(&ys[along.clone()], y, &mut columns);
                     let scale = mass * factor / (width * width);
                     if product {
-                        rows.iter_mut().for_each(|u| *u = self.shape.value(*u));
-                        columns.iter_mut().for_each(|u| *u = self.shape.value(*u));
+                        for u in rows.iter_mut().chain(&mut columns) {
+                            *u = self.shape.value(*u);
+                        }
                     }
                     for (row, &u) in across.zip(&rows) {
                         let line = &mut smoothed[row * ys.len()..][along.clone()];
@@ -284,8 +294,11 @@ impl<'a> PlaneAdaptiveError<'a> {
         let (_, covariance) = self.truth.mean_and_covariance();
         let deviation = covariance[0][0].max(covariance[1][1]).sqrt();
         let finest = self.truth.finest_scale(0).min(self.truth.finest_scale(1));
-        let least = finest * 0.3_f64.min(3.0 * draws.powf(-1.0 / 3.0));
-        let least = least.max(2.0 * self.across(0).max(self.across(1)) / MOST);
+        let least = finest * 0.1_f64.min(2.0 / draws.sqrt());
+        let b = self.pilot.bandwidth(least);
+        let narrowest = self.narrowest(b, self.geometric_mean(b));
+        let across = self.across(0).max(self.across(1));
+        let least = least.max(1.1 * across / (MOST * self.step() * narrowest));
         optimum::search_coarsely(|h| self.at(h, draws), least, 5.0 * deviation)
     }
 }
@@ -304,7 +317,8 @@ fn even(low: f64, high: f64, step: f64) -> Axis {
 mod tests {
     use super::*;
     use crate::density::{PlaneComponent, PlaneMixture, Product, named, named_in_plane};
-    use crate::theory::{PlaneKernelError, PlaneWidths, plane_adaptive_moments};
+    use crate::theory::PlaneKernelError;
+    use std::f64::consts::PI;
 
     const ABRAMSON: WidthLaw = WidthLaw {
         exponent: 0.5,
@@ -349,37 +363,53 @@ mod tests {
         }
     }
 
-    /// Moments at places, by quadrature along rays, integrated over the plane.
+    /// A round density under a round kernel: m by circles, on which the kernel has a closed integral, and its errors by rings.
     #[test]
-    fn moments_at_places_integrate_to_the_errors() {
+    fn circles_and_rings_agree() {
+        const CIRCLES: usize = 20_000;
         let truth = named_in_plane("normal-2d").unwrap();
+        let f = |r: f64| truth.at([r, 0.0]);
         let kernel = (Shape::Epanechnikov, Symmetry::Radial);
-        // not so wide that windows end and begin again along a ray
         let h = 0.6;
         let errors = PlaneAdaptiveError::new(&*truth, kernel, ABRAMSON, FixedPilot::Truth).unwrap();
-        let mean = 1.0 / (2.0 * std::f64::consts::PI * std::f64::consts::E);
-        let width = |y: Point<2>| h * ABRAMSON.stretch(truth.at(y), mean);
-        let widths = PlaneWidths {
-            at: &width,
-            bend: &|y| truth.at(y) - 0.1 * mean,
-            range: [width([0.0; 2]), h * ABRAMSON.widest()],
+        let mean = 1.0 / (2.0 * PI * std::f64::consts::E);
+        // the radius of a circle, its mass over 2π, and the width there
+        let circles: Vec<[f64; 3]> = (0..CIRCLES)
+            .map(|i| {
+                let r = (i as f64 + 0.5) * 9.0 / CIRCLES as f64;
+                let mass = r * f(r) * 9.0 / CIRCLES as f64;
+                [r, mass, h * ABRAMSON.stretch(f(r), mean)]
+            })
+            .collect();
+        let smoothed = |x: f64| -> f64 {
+            let parts = circles.iter().map(|&[r, mass, width]| {
+                let square = width * width;
+                let end = ((x * x + r * r - square) / (2.0 * x * r))
+                    .clamp(-1.0, 1.0)
+                    .acos();
+                let level = 1.0 - (x * x + r * r) / square;
+                // (2/π) ∫ (1 - |x - y|²/width²) over the angles that the kernel reaches
+                let inside = 2.0 * (level * end + 2.0 * x * r / square * end.sin());
+                mass * 2.0 / PI / square * inside
+            });
+            parts.sum()
         };
-        // the estimate is as round as the density: along one ray
-        let (mut bias, mut variance) = (Sum::default(), Sum::default());
-        let step = 0.125;
-        for i in 0..76 {
-            let r = (f64::from(i) + 0.5) * step;
-            let x = [r, 0.0];
-            let m = plane_adaptive_moments(&*truth, kernel.0, kernel.1, &widths, 1.0, x);
-            let ring = 2.0 * std::f64::consts::PI * r * step;
-            bias.add(ring * (m.mean - truth.at(x)).powi(2));
-            variance.add(ring * m.variance);
+        let (mut bias, mut squares) = (Sum::default(), Sum::default());
+        for ring in panels(0.0, 7.0, [], 0.5).windows(2) {
+            for (x, weight) in RULE.on(ring[0], ring[1]) {
+                let (ring, m) = (2.0 * PI * x * weight, smoothed(x));
+                bias.add(ring * (m - f(x)).powi(2));
+                squares.add(ring * m * m);
+            }
         }
+        let own: f64 = (circles.iter())
+            .map(|[_, mass, width]| 2.0 * PI * mass / (width * width))
+            .sum();
         let known = Integrated {
             squared_bias: bias.value(),
-            variance: variance.value(),
+            variance: 4.0 / (3.0 * PI) * own - squares.value(),
         };
-        close(errors.at(h, 1.0), known, 6e-3, "rays");
+        close(errors.at(h, 1.0), known, 2e-3, "circles");
     }
 
     #[test]
@@ -393,6 +423,17 @@ mod tests {
             let other = errors(FixedPilot::Truth).at(factor * best.at, n);
             assert!(other.mise() > best.error.mise());
         }
+        // at walls the best is narrow
+        let walls = Product::new([named("ramp-up").unwrap(), named("ramp-down").unwrap()]);
+        let errors_at_walls =
+            PlaneAdaptiveError::new(&walls, kernel, ABRAMSON, FixedPilot::Truth).unwrap();
+        let narrow = errors_at_walls.optimum(1000.0);
+        assert!((0.01..0.2).contains(&narrow.at), "{narrow:?}");
+        for factor in [0.8, 1.25] {
+            let other = errors_at_walls.at(factor * narrow.at, 1000.0);
+            assert!(other.mise() > narrow.error.mise(), "{narrow:?} {other:?}");
+        }
+        assert!(errors_at_walls.at(1e-6, 1000.0).mise().is_nan());
         let fixed = PlaneKernelError::new(&*truth, kernel.0, kernel.1)
             .unwrap()
             .optimum(n);
