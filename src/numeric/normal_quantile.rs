@@ -91,8 +91,7 @@ const FAR: Rational = Rational {
 };
 
 impl Rational {
-    /// Multiplications and additions are fused everywhere, also where it takes a detour, so that every machine gives the same bits. The logarithm before the tails is the system's, whose last bit may differ
-    /// from one mathematical library to another.
+    /// Multiplications and additions are fused everywhere, also where it takes a detour, so that every machine gives the same bits.
     #[inline(always)]
     fn at(&self, x: f64) -> f64 {
         let (mut above, mut below) = (self.numerator[7], self.denominator[7]);
