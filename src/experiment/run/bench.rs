@@ -232,9 +232,7 @@ impl<const D: usize> Bench<D> {
     pub fn best_of_family(&self, source: usize, size: usize, estimator: usize) -> Option<Optimum> {
         let setting = self.setting(source, size);
         let family = setting.estimators[estimator].family()?;
-        if !family.is_of_estimates() {
-            return None;
-        }
+        family.is_of_estimates().then_some(())?;
         family.optimum_of(&**self.independent(source)?, setting.draws as f64)
     }
 
