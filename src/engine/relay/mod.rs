@@ -22,7 +22,7 @@ use tables::{Question, with_tables};
 /// Cell moments, nodes and targets.
 ///
 /// O(n + m) for the Gaussian kernel of one width on the uniform grid of a line, weighted or not; error at most the tolerance, down to about 10⁻¹² of the peak. 1000 points
-/// and 512 targets cost some 6 µs at 10⁻⁶ and 13 µs at 10⁻¹² once the tables are there, and the tables three times that once. Not for targets that lie far apart or are
+/// and 512 targets cost some 6 µs at 10⁻⁶ and 10 µs at 10⁻¹² once the tables are there, and the tables three times that once. Not for targets that lie far apart or are
 /// very many: hermite is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Relay;

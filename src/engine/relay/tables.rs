@@ -98,7 +98,10 @@ pub(super) struct Tables {
     to_nodes: Vec<f64>,
     /// The first node that each group of targets hears of.
     starts: Vec<u32>,
-    /// For each group of targets and each node the weight at each target of the group.
+    /// How many nodes a group of targets hears of.
+    of_group: usize,
+    /// For each group of targets and each node the weight at each target of the group; for the first group alone where all lie alike to their nodes, as they do on
+    /// many a grid whose cells are as wide as a power of two. The weights of all take longer to fetch than to use.
     to_targets: Vec<[f64; GROUP]>,
 }
 
@@ -137,6 +140,10 @@ impl Tables {
                 to_targets.push(std::array::from_fn(|i| factor * columns[i][node]));
             }
             last_node = start + (of_targets - 1) as f64;
+        }
+        let (one, others) = to_targets.split_at(of_targets);
+        if others.chunks_exact(of_targets).all(|group| group == one) {
+            to_targets.truncate(of_targets);
         }
         // cells from the first that the first node hears of to the last of the last
         let from = ((first_node * gap - reach * wide) / cell).round();
@@ -192,6 +199,7 @@ impl Tables {
             of_cell,
             to_nodes,
             starts,
+            of_group: of_targets,
             to_targets,
         })
     }
@@ -208,14 +216,13 @@ impl Tables {
     fn hand_on<const M: usize>(&self, cells: &[[f64; M]], scale: f64) -> Vec<f64> {
         let mut nodes = vec![0.0; self.nodes];
         let mut values = vec![0.0; self.starts.len() * GROUP];
-        let occupied = cells.iter().zip(&self.cells).enumerate();
-        let occupied: Vec<Occupied> = occupied
-            .filter(|(_, (moments, _))| moments[0] > 0.0)
-            .map(|(cell, (_, &start))| Occupied {
-                cell: cell as u32,
-                start,
-            })
-            .collect();
+        let mut occupied = Vec::with_capacity(cells.len());
+        for (cell, (moments, &start)) in cells.iter().zip(&self.cells).enumerate() {
+            if moments[0] > 0.0 {
+                let cell = cell as u32;
+                occupied.push(Occupied { cell, start });
+            }
+        }
         Arch::new().dispatch(ToNodes {
             tables: self,
             cells,
@@ -355,9 +362,12 @@ impl WithSimd for ToTargets<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let tables = self.tables;
-        let of_group = tables.to_targets.len() / tables.starts.len();
+        let of_group = tables.of_group;
+        let alike = tables.to_targets.len() == of_group;
         let targets = self.values.iter_mut().zip(&tables.starts);
-        for ((values, &start), weights) in targets.zip(tables.to_targets.chunks_exact(of_group)) {
+        for (group, (values, &start)) in targets.enumerate() {
+            let group = if alike { 0 } else { group };
+            let weights = &tables.to_targets[group * of_group..][..of_group];
             let nodes = &self.nodes[start as usize..][..of_group];
             let mut sums = [0.0; GROUP];
             for (weights, node) in weights.iter().zip(nodes) {
