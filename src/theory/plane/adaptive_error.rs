@@ -294,7 +294,7 @@ impl<'a> PlaneAdaptiveError<'a> {
         let (_, covariance) = self.truth.mean_and_covariance();
         let deviation = covariance[0][0].max(covariance[1][1]).sqrt();
         let finest = self.truth.finest_scale(0).min(self.truth.finest_scale(1));
-        let least = finest * 0.1_f64.min(2.0 / draws.sqrt());
+        let least = finest * 0.1_f64.min(0.5 / draws.sqrt());
         let b = self.pilot.bandwidth(least);
         let narrowest = self.narrowest(b, self.geometric_mean(b));
         let across = self.across(0).max(self.across(1));
