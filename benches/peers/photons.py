@@ -105,7 +105,8 @@ def peer(variant, what, count):
 
 def measured(command):
     done = subprocess.run(command, capture_output=True, text=True)
-    said = done.stdout.strip().splitlines()
+    # beside progress bars and words that Dr.Jit has at the end
+    said = [line[line.index("{") :] for line in done.stdout.splitlines() if line.endswith("}") and "{" in line]
     if done.returncode != 0 or not said:
         return {"error": (done.stderr.strip().splitlines() or [f"no output, exit code {done.returncode}"])[-1]}
     return json.loads(said[-1])
