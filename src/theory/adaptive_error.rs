@@ -31,6 +31,11 @@ impl WidthLaw {
     pub fn widest(self) -> f64 {
         self.stretch(0.0, 1.0)
     }
+
+    /// Whether widths stay within reach of each other; where there is next to no clip, bumps of the tails reach over places without number.
+    pub(super) fn is_held(self) -> bool {
+        self.widest() <= 32.0
+    }
 }
 
 /// A pilot that does not depend on the sample, so that theory can follow it.

@@ -230,8 +230,10 @@ impl Family {
             }
             Self::Adaptive {
                 shape, law, pilot, ..
-            } => Errors::Adaptive(AdaptiveError::new(truth, shape, law, pilot)),
-            Self::SquareHistogram { .. } | Self::Neighbour(Convention::MeanRadius) => return None,
+            } if law.is_held() => Errors::Adaptive(AdaptiveError::new(truth, shape, law, pilot)),
+            Self::Adaptive { .. }
+            | Self::SquareHistogram { .. }
+            | Self::Neighbour(Convention::MeanRadius) => return None,
             Self::Neighbour(convention) => {
                 Errors::Neighbour(NeighbourError::on_line(truth), convention)
             }

@@ -51,13 +51,40 @@ impl<'a> PlaneAdaptiveError<'a> {
             || (mixture && round)
             || (product && !mixture && (round || symmetry == Symmetry::Product));
         let known = (mixture || product) && shape != Shape::Uniform && pilot_known;
-        (known && law.widest() <= 32.0 && !truth.domain().wraps()).then_some(Self {
+        let errors = Self {
             truth,
             shape,
             symmetry,
             law,
             pilot,
-        })
+        };
+        let known = known && law.is_held() && !truth.domain().wraps();
+        (known && errors.most() > errors.deviation()).then_some(errors)
+    }
+
+    /// The greatest bandwidth for which there are not too many places.
+    fn most(&self) -> f64 {
+        if self.truth.normal_components().is_none() {
+            return f64::INFINITY;
+        }
+        let longest = MOST * self.fine();
+        let room = |axis: usize| (longest - self.across(axis)) / (2.0 * self.reach());
+        room(0).min(room(1)) / self.law.widest()
+    }
+
+    fn deviation(&self) -> f64 {
+        let (_, covariance) = self.truth.mean_and_covariance();
+        covariance[0][0].max(covariance[1][1]).sqrt()
+    }
+
+    /// How far apart places are where a mixture is integrated: a bias of fourth order changes within less than the density does.
+    fn fine(&self) -> f64 {
+        0.2 * (self.truth.finest_scale(0)).min(self.truth.finest_scale(1))
+    }
+
+    /// Where the kernel ends, in bandwidths.
+    fn reach(&self) -> f64 {
+        if self.is_round() { GAUSSIAN_REACH } else { 1.0 }
     }
 
     /// How far apart places are, in units of the least width.
@@ -150,14 +177,14 @@ impl<'a> PlaneAdaptiveError<'a> {
         stretches.fold(f64::INFINITY, f64::min)
     }
 
-    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample); not numbers for widths below some thousandth of the density's (a hundredth for kernels that end).
+    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample); not numbers for widths below some thousandth of the density's (a hundredth for kernels that end), or so far above them that there would be millions of places.
     pub fn at(&self, h: f64, draws: f64) -> Integrated {
         let b = self.pilot.bandwidth(h);
         let mean = self.geometric_mean(b);
         let least = h * self.narrowest(b, mean);
         let step = least * self.step();
-        if (0..2).any(|axis| self.across(axis) > MOST * step) {
-            // so narrow that the density has too many parts: not known
+        if h > self.most() || (0..2).any(|axis| self.across(axis) > MOST * step) {
+            // so narrow that the density has too many parts, or so wide that the estimate has: not known
             return Integrated {
                 squared_bias: f64::NAN,
                 variance: f64::NAN,
@@ -198,13 +225,11 @@ impl<'a> PlaneAdaptiveError<'a> {
 
     /// Where m is integrated: it is as smooth as the density but for breaks, from which it is known by places that close in on them.
     fn places(&self, axis: usize, least: f64, widest: f64) -> Axis {
-        let reach = if self.is_round() { GAUSSIAN_REACH } else { 1.0 };
+        let reach = self.reach();
         let (low, high) = self.truth.bulk(1e-14);
         let (low, high) = (low[axis] - reach * widest, high[axis] + reach * widest);
         if self.truth.normal_components().is_some() {
-            let scale = self.truth.finest_scale(0).min(self.truth.finest_scale(1));
-            // a bias of fourth order changes within less than the density does
-            return even(low, high, 0.2 * scale);
+            return even(low, high, self.fine());
         }
         let mut cuts = Vec::new();
         for place in self.truth.breaks(axis) {
@@ -230,9 +255,14 @@ impl<'a> PlaneAdaptiveError<'a> {
         [xs, ys]: [&Axis; 2],
     ) -> Vec<f64> {
         const BLOCKS: usize = 8;
-        let reach = if self.is_round() { GAUSSIAN_REACH } else { 1.0 };
+        let reach = self.reach();
         let product = self.is_round() || self.symmetry == Symmetry::Product;
-        let factor = self.symmetry.factor::<2>(self.shape);
+        // a product of two Gaussians is round and has unit mass already
+        let factor = if self.is_round() {
+            1.0
+        } else {
+            self.symmetry.factor::<2>(self.shape)
+        };
         let size = xs.len() * ys.len();
         let near = |axis: &Axis, place: f64, reach: f64| {
             let first = axis.partition_point(|x| x.0 < place - reach);
@@ -291,15 +321,17 @@ impl<'a> PlaneAdaptiveError<'a> {
 
     /// The bandwidth of least MISE and other local minima that lie 30 % apart or more.
     pub fn optimum(&self, draws: f64) -> Optimum {
-        let (_, covariance) = self.truth.mean_and_covariance();
-        let deviation = covariance[0][0].max(covariance[1][1]).sqrt();
         let finest = self.truth.finest_scale(0).min(self.truth.finest_scale(1));
         let least = finest * 0.1_f64.min(0.5 / draws.sqrt());
         let b = self.pilot.bandwidth(least);
         let narrowest = self.narrowest(b, self.geometric_mean(b));
         let across = self.across(0).max(self.across(1));
         let least = least.max(1.1 * across / (MOST * self.step() * narrowest));
-        optimum::search_coarsely(|h| self.at(h, draws), least, 5.0 * deviation)
+        optimum::search_coarsely(
+            |h| self.at(h, draws),
+            least,
+            self.most().min(5.0 * self.deviation()),
+        )
     }
 }
 
@@ -350,6 +382,7 @@ mod tests {
         for (truth, h) in [(&mixture as &dyn Bivariate, 0.3), (&product, 0.2)] {
             for (shape, symmetry, digits) in [
                 (Shape::Gaussian, Symmetry::Product, 1e-5),
+                (Shape::Gaussian, Symmetry::Radial, 1e-5),
                 (Shape::Epanechnikov, Symmetry::Radial, 3e-3),
                 (Shape::Biweight, Symmetry::Product, 3e-3),
             ] {

@@ -67,6 +67,9 @@ pub struct PlaneHistogramError<'a> {
     roughness: f64,
 }
 
+/// Bins along an axis beyond this many take too long: some minutes.
+const MOST_COLUMNS: f64 = 3e4;
+
 /// Bins beyond this many are too fine to be searched; fewer where each costs an integral.
 const MOST_BINS: f64 = 4e6;
 const MOST_TURNED_BINS: f64 = 1e6;
@@ -87,12 +90,18 @@ impl<'a> PlaneHistogramError<'a> {
     }
 
     /// With pⱼ the probabilities of the bins and A their area, bias² = ∫f² - Σpⱼ²/A and variance = (1 - Σpⱼ²)/(n A), as counts are multinomial.
-    /// One probability for each bin that the density reaches.
+    /// One probability for each bin that the density reaches; not numbers where those are more than can be gone through.
     pub fn at(&self, width: f64, draws: f64) -> Integrated {
         let (low, high) = self.truth.bulk(1e-12);
         let lattice = self.lattice(width);
         let [first, last] = lattice.numbers(low, high);
         let [columns, rows] = [0, 1].map(|k: usize| (last[k] - first[k]) as usize + 1);
+        if columns.max(rows) as f64 > MOST_COLUMNS {
+            return Integrated {
+                squared_bias: f64::NAN,
+                variance: f64::NAN,
+            };
+        }
         let column = |i: usize| -> f64 {
             let squares = (0..rows).map(|j| {
                 let number = [first[0] + i as f64, first[1] + j as f64];
