@@ -125,8 +125,11 @@ impl Yardstick {
         }
         let terms = || {
             (cells.clone()).map(|i| {
-                let [error, _, _, _] = terms(estimate[i], self.truth[i], self.inverse[i]);
-                (error, error * self.inverse[i])
+                let inverse = self.inverse[i];
+                let [error, _, _, _] = terms(estimate[i], self.truth[i], inverse);
+                // where relative errors are not taken an infinite one is none either
+                let relative = if inverse > 0.0 { error * inverse } else { 0.0 };
+                (error, relative)
             })
         };
         let largest =
@@ -270,6 +273,17 @@ mod tests {
 
     #[test]
     fn tails_below_the_floor_do_not_enter_the_relative_error() {
+        let yardstick = Yardstick::new(vec![1.0, 1e-9]);
+        for found in [
+            yardstick.errors(&[1.01, f64::INFINITY], 1.0),
+            yardstick.errors_over(0..2, &[1.01, f64::INFINITY], 1.0),
+        ] {
+            assert!((found.ire - 1e-4).abs() < 1e-14, "{found:?}");
+            assert!(
+                found.ise.is_infinite() && found.iae.is_infinite(),
+                "{found:?}"
+            );
+        }
         let errors = Errors::between(&[1.0, 1.0], &[1.0, 1e-9], 1.0);
         assert!(errors.ire.abs() < 1e-14 && errors.ise > 0.99);
     }

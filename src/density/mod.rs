@@ -108,7 +108,7 @@ pub trait Bivariate: Density<2> {
     /// bias of a kernel estimate needs.
     fn laplacian_roughness(&self) -> f64;
 
-    /// The probability of a convex polygon with these corners, counter-clockwise; 0 of fewer than three. Exact to rounding where it is known in closed form, else by quadrature to some 1e-12.
+    /// The probability of a convex polygon with these corners, counter-clockwise; 0 of fewer than three. Exact to rounding where it is known in closed form, else by quadrature to some 1e-12 where the density is smooth between its breaks, and less near places where it rises like a root.
     fn probability_within(&self, corners: &[Point<2>]) -> f64;
 
     /// The mean and the covariance matrix.

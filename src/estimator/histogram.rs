@@ -126,9 +126,9 @@ impl Build<1> for Histogram {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Build, Context, Estimate};
+    use super::super::{Build, Estimate, built};
     use super::super::{FrequencyPolygon, Histogram, Kde, Naive, ShiftedHistogram};
-    use crate::parameter::{Value, Values};
+    use crate::parameter::Value;
     use crate::sample::Sample;
     use crate::space::{Domain, Field};
 
@@ -138,15 +138,7 @@ mod tests {
     }
 
     fn fitted<E: Build<1>>(settings: &[(&'static str, Value)]) -> Estimate<1> {
-        let mut values = Values::defaults(E::PARAMETERS);
-        for (name, value) in settings {
-            values.set(name, value.clone());
-        }
-        let context = Context {
-            truth: None,
-            draws: 8,
-        };
-        let estimator = E::build(&values, &context).expect("legal");
+        let estimator: E = built(settings);
         estimator.fit(&sample()).expect("estimable")
     }
 

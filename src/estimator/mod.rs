@@ -214,3 +214,19 @@ pub trait Build<const D: usize>: Described + Estimator<D> + Sized + 'static {
     /// If the values do not go together, or need a truth that is not known.
     fn build(values: &Values, context: &Context<D>) -> Result<Self, BuildError>;
 }
+
+/// For tests: an estimator with these settings and the others as they are by default.
+#[cfg(test)]
+pub(crate) fn built<const D: usize, E: Build<D>>(
+    settings: &[(&'static str, crate::parameter::Value)],
+) -> E {
+    let mut values = Values::defaults(E::PARAMETERS);
+    for (name, value) in settings {
+        values.set(name, value.clone());
+    }
+    let context = Context {
+        truth: None,
+        draws: 100,
+    };
+    E::build(&values, &context).expect("legal settings")
+}

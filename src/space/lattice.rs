@@ -162,7 +162,6 @@ mod tests {
     fn rectangles_beyond_all_numbers_are_cut_to_the_box() {
         let lattice = Lattice::new([1e308, 1e308], [0.0, 0.0], 30.0);
         let inside = |number| polygon_moments(&lattice.within(number, [1.0, 1.0], [2.0, 2.0]))[0];
-        assert!((inside([0.0, 0.0]) - inside([0.0, -1.0]).abs()).abs() <= 1.0);
         let total: f64 = [[0.0, 0.0], [0.0, -1.0], [-1.0, 0.0], [-1.0, -1.0]]
             .into_iter()
             .map(inside)

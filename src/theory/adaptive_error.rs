@@ -136,8 +136,14 @@ impl<'a> AdaptiveError<'a> {
         Pilot { value, mean }
     }
 
-    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample).
+    /// The errors with bandwidth `h` and `draws` points (or the effective size of a weighted sample); not numbers for widths below a ten-thousandth of the density's.
     pub fn at(&self, h: f64, draws: f64) -> Integrated {
+        if h < 0.9 * self.least() {
+            return Integrated {
+                squared_bias: f64::NAN,
+                variance: f64::NAN,
+            };
+        }
         let own;
         let pilot = if let Some(known) = &self.known {
             known
@@ -163,6 +169,12 @@ impl<'a> AdaptiveError<'a> {
             squared_bias: squared_bias.value(),
             variance: ((own - squares.value()) / draws).max(0.0),
         }
+    }
+
+    /// The narrowest width that is gone through: below it the density has more parts than are worth their time.
+    fn least(&self) -> f64 {
+        let ([low], [high]) = self.truth.bulk(1e-12);
+        1e-4 * (high - low)
     }
 
     fn is_round(&self) -> bool {
@@ -274,11 +286,9 @@ impl<'a> AdaptiveError<'a> {
 
     /// The bandwidth of least MISE and other local minima that lie 30 % apart or more.
     pub fn optimum(&self, draws: f64) -> Optimum {
-        let ([low], [high]) = self.truth.bulk(1e-12);
         let deviation = self.truth.mean_and_deviation().1;
         let least = self.truth.finest_scale(0) * 0.05_f64.min(1.0 / draws.sqrt());
-        // narrower ones are more parts of the density than are worth their time
-        let least = least.max(1e-4 * (high - low));
+        let least = least.max(self.least());
         optimum::search_coarsely(|h| self.at(h, draws), least, 8.0 * deviation)
     }
 }

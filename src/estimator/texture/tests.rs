@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::estimator::built;
 use crate::parameter::Value;
 use crate::random::{open_unit, stream};
 use crate::sample::Weights;
@@ -23,15 +24,7 @@ fn points(n: usize, spot: f64) -> Vec<Point<2>> {
 }
 
 fn kernel(set: &[(&'static str, Value)]) -> VariableKernel {
-    let mut values = Values::defaults(VariableKernel::PARAMETERS);
-    for (name, value) in set {
-        values.set(name, value.clone());
-    }
-    let context = Context {
-        truth: None,
-        draws: 100,
-    };
-    VariableKernel::build(&values, &context).unwrap()
+    built(set)
 }
 
 fn word(word: &str) -> Value {

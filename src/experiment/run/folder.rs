@@ -136,6 +136,9 @@ impl RunFolder {
         let known = fs::read_to_string(&owner).unwrap_or_default();
         let (theirs, build) = known.split_once('\n').unwrap_or((&known, ""));
         let journal = partial.join("journal");
+        if journal.is_dir() {
+            crate::storage::sweep(&journal)?;
+        }
         let begun = !theirs.is_empty() && existing != Existing::Replace;
         if begun && theirs != identity.fingerprint {
             return Err(RunError::Folder(format!(

@@ -1,7 +1,8 @@
 //! Finished cells on disk.
 //!
 //! A record is one file that appears whole (written beside, renamed) and carries the hash of its contents, so that whatever a crash left behind
-//! is either right or ignored. So there is no need to wait for the disk, which would cost more than the samples do where they are small.
+//! is either right or ignored. So there is no need to wait for the disk, which would cost more than the samples do where they are small: a killed process loses no finished cell, a power cut
+//! those of the last half minute or so, which are then computed once more.
 
 use super::{Cell, Record};
 use crate::storage::{StorageError, write_unhurried};

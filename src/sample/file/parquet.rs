@@ -5,7 +5,7 @@
 use super::columns::{Columns, Layout, quoted};
 use super::{FileError, Origin, Rows};
 use crate::memory;
-use parquet::basic::{ConvertedType, Type};
+use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -49,7 +49,8 @@ pub(super) fn read<const D: usize>(path: &Path, rows: &mut Rows<'_, D>) -> Resul
     let mut line = 0;
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group).map_err(damaged)?;
-        let count = u64::try_from(group.metadata().num_rows()).unwrap_or(0);
+        let count = u64::try_from(group.metadata().num_rows())
+            .map_err(|_| origin.content("the file is Parquet and promises fewer than no rows"))?;
         memory::check(count.saturating_mul(8 * wanted.len() as u64))
             .map_err(|error| origin.content(format!("too large: {error}")))?;
         let values: Vec<Vec<f64>> = wanted
@@ -57,7 +58,7 @@ pub(super) fn read<const D: usize>(path: &Path, rows: &mut Rows<'_, D>) -> Resul
             .map(|&column| {
                 let reader = group.get_column_reader(column).map_err(damaged)?;
                 let unsigned = unsigned(&columns[column]);
-                let values = column_of(reader, unsigned).map_err(damaged)?;
+                let values = column_of(reader, unsigned, count).map_err(damaged)?;
                 whole(&values, count, line, column, origin)?;
                 Ok(values)
             })
@@ -87,8 +88,19 @@ fn push<const D: usize>(
 fn numbers(column: &ColumnDescriptor) -> bool {
     let kind = column.physical_type();
     let plain = matches!(kind, Type::FLOAT | Type::DOUBLE | Type::INT32 | Type::INT64);
-    let scaled = matches!(column.converted_type(), ConvertedType::DECIMAL);
-    plain && !scaled && column.max_rep_level() == 0 && column.max_def_level() <= 1
+    // dates, times and decimals are whole numbers of something
+    let whole = |logical: &LogicalType| matches!(logical, LogicalType::Integer(_));
+    let meant = column.logical_type_ref().is_none_or(whole)
+        && (column.converted_type() == ConvertedType::NONE
+            || unsigned(column)
+            || matches!(
+                column.converted_type(),
+                ConvertedType::INT_8
+                    | ConvertedType::INT_16
+                    | ConvertedType::INT_32
+                    | ConvertedType::INT_64
+            ));
+    plain && meant && column.max_rep_level() == 0 && column.max_def_level() <= 1
 }
 
 fn unsigned(column: &ColumnDescriptor) -> bool {
@@ -101,7 +113,7 @@ fn unsigned(column: &ColumnDescriptor) -> bool {
     )
 }
 
-/// Refuses a column with fewer values than rows; an empty cell is not a number.
+/// Refuses a column with fewer values than rows, or with more; an empty cell is not a number.
 fn whole(
     values: &[f64],
     count: u64,
@@ -112,26 +124,39 @@ fn whole(
     if values.len() as u64 == count {
         return Ok(());
     }
-    Err(origin.content_at(
-        Some(before + values.len() as u64 + 1),
-        Some(column + 1),
-        "the file ends before this cell, which its list of columns promises".to_owned(),
-    ))
+    let (row, what) = if (values.len() as u64) < count {
+        let row = before + values.len() as u64 + 1;
+        (
+            row,
+            "the file ends before this cell, which its list of columns promises",
+        )
+    } else {
+        let row = before + count + 1;
+        (
+            row,
+            "the column goes on here, where its group of rows has ended",
+        )
+    };
+    Err(origin.content_at(Some(row), Some(column + 1), what.to_owned()))
 }
 
-/// All values of a column of a group; not a number where a cell is empty.
-fn column_of(reader: ColumnReader, unsigned: bool) -> Result<Vec<f64>, ParquetError> {
+/// All values of a column of a group, but few beyond the `promised`; not a number where a cell is empty.
+fn column_of(
+    reader: ColumnReader,
+    unsigned: bool,
+    promised: u64,
+) -> Result<Vec<f64>, ParquetError> {
     match reader {
-        ColumnReader::FloatColumnReader(reader) => drained(reader, |&x| f64::from(x)),
-        ColumnReader::DoubleColumnReader(reader) => drained(reader, |&x| x),
+        ColumnReader::FloatColumnReader(reader) => drained(reader, promised, |&x| f64::from(x)),
+        ColumnReader::DoubleColumnReader(reader) => drained(reader, promised, |&x| x),
         ColumnReader::Int32ColumnReader(reader) if unsigned => {
-            drained(reader, |&x| f64::from(x.cast_unsigned()))
+            drained(reader, promised, |&x| f64::from(x.cast_unsigned()))
         }
-        ColumnReader::Int32ColumnReader(reader) => drained(reader, |&x| f64::from(x)),
+        ColumnReader::Int32ColumnReader(reader) => drained(reader, promised, |&x| f64::from(x)),
         ColumnReader::Int64ColumnReader(reader) if unsigned => {
-            drained(reader, |&x| x.cast_unsigned() as f64)
+            drained(reader, promised, |&x| x.cast_unsigned() as f64)
         }
-        ColumnReader::Int64ColumnReader(reader) => drained(reader, |&x| x as f64),
+        ColumnReader::Int64ColumnReader(reader) => drained(reader, promised, |&x| x as f64),
         _ => Err(ParquetError::General(
             "a column changes its type".to_owned(),
         )),
@@ -140,6 +165,7 @@ fn column_of(reader: ColumnReader, unsigned: bool) -> Result<Vec<f64>, ParquetEr
 
 fn drained<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
+    promised: u64,
     number: impl Fn(&T::T) -> f64,
 ) -> Result<Vec<f64>, ParquetError> {
     let mut all = Vec::new();
@@ -148,7 +174,8 @@ fn drained<T: DataType>(
         values.clear();
         levels.clear();
         let (rows, _, _) = reader.read_records(BATCH, Some(&mut levels), None, &mut values)?;
-        if rows == 0 {
+        // memory was asked for as many as were promised
+        if rows == 0 || all.len() as u64 > promised {
             return Ok(all);
         }
         if levels.is_empty() {
@@ -174,7 +201,7 @@ mod tests {
     use std::sync::Arc;
 
     fn written(path: &std::path::Path) {
-        let schema = "message m { REQUIRED DOUBLE x; OPTIONAL FLOAT gap; REQUIRED INT32 w (INTEGER(32,false)); REQUIRED BINARY name; }";
+        let schema = "message m { REQUIRED DOUBLE x; OPTIONAL FLOAT gap; REQUIRED INT32 w (INTEGER(32,false)); REQUIRED BINARY name; REQUIRED INT32 day (DATE); }";
         let schema = Arc::new(parse_message_type(schema).unwrap());
         let file = std::fs::File::create(path).unwrap();
         let mut writer = SerializedFileWriter::new(file, schema, Arc::default()).unwrap();
@@ -203,6 +230,12 @@ mod tests {
                 .write_batch(&names, None, None)
                 .unwrap();
             column.close().unwrap();
+            let mut column = rows.next_column().unwrap().unwrap();
+            column
+                .typed::<Int32Type>()
+                .write_batch(&[20_000, 20_001], None, None)
+                .unwrap();
+            column.close().unwrap();
             rows.close().unwrap();
         }
         writer.close().unwrap();
@@ -229,6 +262,7 @@ mod tests {
         for (column, says) in [
             ("gap", ":2:2: NaN is not a finite number"),
             ("name", "holds no plain numbers"),
+            ("day", "holds no plain numbers"),
             ("y", "no column"),
         ] {
             let error = ask(column, None).unwrap_err();

@@ -8,7 +8,7 @@ use super::as_printed::AsPrinted;
 use super::bias_compensated::{Weighting, history, probability, values};
 use super::nested_test::p_value;
 use super::*;
-use crate::estimator::{Build, Context, Described, Estimator, NearestNeighbour};
+use crate::estimator::{Build, Context, Described, Estimator, NearestNeighbour, built};
 use crate::neighbour::Brute;
 use crate::parameter::Value;
 use crate::random::{open_unit, stream};
@@ -39,18 +39,6 @@ fn spot(n: usize, number: u64) -> Vec<Point<2>> {
             [0.5 + radius * turn.cos(), 0.5 + radius * turn.sin()].map(|x| x.clamp(0.0, 1.0))
         })
         .collect()
-}
-
-fn built<const D: usize, E: Build<D>>(settings: &[(&'static str, Value)]) -> E {
-    let mut values = Values::defaults(E::PARAMETERS);
-    for (name, value) in settings {
-        values.set(name, value.clone());
-    }
-    let context = Context {
-        truth: None,
-        draws: 100,
-    };
-    E::build(&values, &context).unwrap()
 }
 
 fn range(min: u64, max: u64) -> Vec<(&'static str, Value)> {
