@@ -152,6 +152,8 @@ impl<'a> PlaneHistogramError<'a> {
 mod tests {
     use super::*;
     use crate::density::{PlaneComponent, PlaneMixture, Product, named, named_in_plane};
+    use crate::numeric::GaussLegendre;
+    use crate::space::Field;
 
     /// The mixture turned by an angle about 0.
     fn turned(parts: &[PlaneComponent], degrees: f64) -> PlaneMixture {
@@ -171,6 +173,44 @@ mod tests {
             }
         };
         PlaneMixture::new(parts.iter().map(turn).collect()).unwrap()
+    }
+
+    /// Integrated errors are what moments at places add up to, bin by bin.
+    #[test]
+    fn moments_at_places_integrate_to_the_errors() {
+        let truth = PlaneMixture::new(vec![
+            PlaneComponent::new(0.6, [-1.0, 0.2], [0.5, 0.8], 0.6),
+            PlaneComponent::new(0.4, [1.0, -0.5], [0.7, 0.4], -0.3),
+        ])
+        .unwrap();
+        let (width, draws, rule) = (0.4, 70.0, GaussLegendre::new(5));
+        let axis: Vec<(f64, f64)> = (-17..17)
+            .flat_map(|bin| rule.on(f64::from(bin) * width, f64::from(bin + 1) * width))
+            .collect();
+        for degrees in [0.0, 30.0] {
+            let (sine, cosine) = f64::to_radians(degrees).sin_cos();
+            let lattice = Lattice::new([width; 2], [0.0; 2], degrees);
+            let (mut squared_bias, mut variance) = (0.0, 0.0);
+            for &(u, a) in &axis {
+                let turn = |&(v, _): &(f64, f64)| [cosine * u - sine * v, sine * u + cosine * v];
+                let places: Vec<Point<2>> = axis.iter().map(turn).collect();
+                let moments = plane_histogram_moments(&truth, &lattice, draws, &places).unwrap();
+                for ((x, moments), (_, b)) in places.iter().zip(moments).zip(&axis) {
+                    squared_bias += a * b * (moments.mean - truth.at(*x)).powi(2);
+                    variance += a * b * moments.variance;
+                }
+            }
+            let errors = PlaneHistogramError::new(&truth, [0.0; 2], degrees).unwrap();
+            let found = errors.at(width, draws);
+            assert!(
+                (found.variance / variance - 1.0).abs() < 1e-9,
+                "{degrees} {found:?} {variance}"
+            );
+            assert!(
+                (found.squared_bias / squared_bias - 1.0).abs() < 1e-6,
+                "{degrees} {found:?} {squared_bias}"
+            );
+        }
     }
 
     /// Turning the bins is turning the density the other way.
