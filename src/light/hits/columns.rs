@@ -173,19 +173,19 @@ mod tests {
         let z = ask(["direction_z", "z"], None);
         assert_eq!(uv.len(), records.len());
         let green: f64 = records.iter().map(|r| f64::from(r.flux[1])).sum();
+        let bits = |x: [f64; 2]| x.map(f64::to_bits);
         for (i, record) in records.iter().enumerate() {
-            assert_eq!(uv.points()[i], [record.u, record.v].map(f64::from));
+            let place = [record.u, record.v].map(f64::from);
+            assert_eq!(bits(uv.points()[i]), bits(place));
             let share = f64::from(record.flux[1]) / green;
             assert!((uv.weight(i) - share).abs() < 1e-12);
             let numbers = [f64::from(record.path), f64::from(record.surface)];
-            assert_eq!(path_and_surface.points()[i], numbers);
+            assert_eq!(bits(path_and_surface.points()[i]), bits(numbers));
             let shape = &scene.surfaces()[record.surface as usize].shape;
             let [u, v] = inside(shape, record);
             let height = shape.place(record.part as usize, u, v).z as f32;
-            assert_eq!(
-                z.points()[i],
-                [record.direction().z as f32, height].map(f64::from)
-            );
+            let known = [record.direction().z as f32, height].map(f64::from);
+            assert_eq!(bits(z.points()[i]), bits(known));
         }
     }
 }

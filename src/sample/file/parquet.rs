@@ -49,8 +49,9 @@ pub(super) fn read<const D: usize>(path: &Path, rows: &mut Rows<'_, D>) -> Resul
     let mut line = 0;
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group).map_err(damaged)?;
-        let count = u64::try_from(group.metadata().num_rows())
-            .map_err(|_| origin.content("the file is Parquet and promises fewer than no rows"))?;
+        let count = u64::try_from(group.metadata().num_rows()).map_err(|_| {
+            origin.content("the file is Parquet and promises fewer than no rows".to_owned())
+        })?;
         memory::check(count.saturating_mul(8 * wanted.len() as u64))
             .map_err(|error| origin.content(format!("too large: {error}")))?;
         let values: Vec<Vec<f64>> = wanted
