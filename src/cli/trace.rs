@@ -89,7 +89,8 @@ impl Trace {
         if work.pieces == 1 {
             let piece = work.piece(0);
             check(&piece.ledger, &scene)?;
-            write(output, format, &scene, piece.ledger.hits, [Ok(piece.rows)])?;
+            let rows = |_| Ok(piece.rows.clone());
+            write(output, format, &scene, piece.ledger.hits, 1, rows)?;
             say(&piece.ledger, notes);
             return Ok(());
         }
@@ -102,16 +103,16 @@ impl Trace {
             spool.remove()?;
             return Err(fault);
         }
-        let pieces = (0..work.pieces).map(|number| {
-            let piece = spool.load(number).ok_or_else(|| {
+        let load = |number| {
+            let gone = || {
                 Stop::System(format!(
                     "{}: a piece of the trace is gone",
                     aside.path().display()
                 ))
-            })?;
-            Ok(piece.rows)
-        });
-        write(output, format, &scene, ledger.hits, pieces)?;
+            };
+            Ok(spool.load(number).ok_or_else(gone)?.rows)
+        };
+        write(output, format, &scene, ledger.hits, work.pieces, load)?;
         spool.remove()?;
         say(&ledger, notes);
         Ok(())
@@ -221,21 +222,25 @@ impl Work<'_> {
     }
 }
 
-/// Writes the rows of all pieces.
+/// Pieces that are read back at a time.
+const CHUNK: u64 = 32;
+
+/// Writes the rows of all pieces; some are read back and checked while those before them are written.
 fn write(
     mut output: Output,
     format: Format,
     scene: &Scene,
     hits: u64,
-    pieces: impl IntoIterator<Item = Result<Vec<u8>, Stop>>,
+    pieces: u64,
+    load: impl Fn(u64) -> Result<Vec<u8>, Stop> + Sync,
 ) -> Result<(), Stop> {
     #[cfg(feature = "parquet")]
     if format == Format::Columns {
         let mut stopped = None;
         output.through(|sink| {
             let mut columns = crate::light::hits::Columns::new(sink, scene.colour)?;
-            for rows in pieces {
-                match rows {
+            for piece in 0..pieces {
+                match load(piece) {
                     Ok(rows) => columns.group(&rows)?,
                     Err(stop) => {
                         stopped = Some(stop);
@@ -251,8 +256,16 @@ fn write(
         };
     }
     output.write_all(&format.head(scene.colour, hits))?;
-    for rows in pieces {
-        output.write_all(&rows?)?;
+    let some = |from: u64| -> Result<Vec<Vec<u8>>, Stop> {
+        let to = (from + CHUNK).min(pieces);
+        (from..to).into_par_iter().map(&load).collect()
+    };
+    let mut ready = some(0)?;
+    for next in (CHUNK..pieces + CHUNK).step_by(CHUNK as usize) {
+        let mut put = || ready.iter().try_for_each(|rows| output.write_all(rows));
+        let (written, loaded) = rayon::join(&mut put, || some(next));
+        written?;
+        ready = loaded?;
     }
     output.finish()
 }

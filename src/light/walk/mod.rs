@@ -170,29 +170,35 @@ impl<'s> Walk<'s> {
         let mut hits = Hits::new(self.scene.surfaces().len(), self.paths);
         let mut ledger = Ledger::default();
         let blocks = self.blocks();
-        let mut done = 0;
-        while done < blocks {
-            let next = (done + BATCH).min(blocks);
-            let traces: Vec<Trace> = (done..next)
-                .into_par_iter()
-                .map(|block| self.trace(block))
-                .collect();
-            for trace in &traces {
+        let trace = |from: u64| -> Vec<Trace> {
+            let to = (from + BATCH).min(blocks);
+            let traces = (from..to).into_par_iter().map(|block| self.trace(block));
+            traces.collect()
+        };
+        let mut sort = |hits: &mut Hits, traces: &[Trace]| {
+            for trace in traces {
                 hits.extend(&trace.records);
                 hits.lose(&trace.astray);
                 ledger.add(&trace.ledger);
             }
-            if done == 0 && next < blocks {
-                // the first batch tells how many there will be
-                let factor = (blocks as f64 / next as f64 - 1.0) * 1.02;
-                let bytes = hits.len() as f64 * factor * size_of::<Record>() as f64;
-                memory::check(bytes as u64).map_err(|source| WalkError::Memory {
-                    paths: self.paths,
-                    source,
-                })?;
-                hits.reserve(factor);
+        };
+        sort(&mut hits, &trace(0));
+        if BATCH < blocks {
+            // the first batch tells how many there will be
+            let factor = (blocks as f64 / BATCH as f64 - 1.0) * 1.02;
+            let bytes = hits.len() as f64 * factor * size_of::<Record>() as f64;
+            memory::check(bytes as u64).map_err(|source| WalkError::Memory {
+                paths: self.paths,
+                source,
+            })?;
+            hits.reserve(factor);
+            // one thread sorts, which only one can, while the others trace on
+            let mut traces = trace(BATCH);
+            for next in (2 * BATCH..blocks).step_by(BATCH as usize) {
+                let sorting = || sort(&mut hits, &traces);
+                ((), traces) = rayon::join(sorting, || trace(next));
             }
-            done = next;
+            sort(&mut hits, &traces);
         }
         ledger.check(self.scene.open)?;
         Ok((hits, ledger))
