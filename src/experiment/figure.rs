@@ -68,6 +68,18 @@ pub enum FigureKind {
         /// Any of `points` (the first sample), `truth` and `sample` (the estimates from it).
         show: Vec<String>,
     },
+    /// Pictures of the scenes that photons walk through, lit by each estimator from the hits of the first sample on all surfaces, beside one that needs no photons;
+    /// and maps of what is wrong in each.
+    Camera {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Rays for each pixel: so many by so many.
+        rays: usize,
+        /// The picture that judges is traced with so many paths from each place; if `None` it is lit by the reference.
+        paths: Option<usize>,
+    },
     /// The best bandwidth at each place beside the best for all, exactly and by leading terms.
     LocalBandwidth {
         /// The kernel.

@@ -211,6 +211,7 @@ fn kind(kind: &FigureKind) -> &'static str {
         FigureKind::ComparisonTable {} => "comparison-table",
         FigureKind::Maps { .. } => "maps",
         FigureKind::Unfolded { .. } => "unfolded",
+        FigureKind::Camera { .. } => "camera",
         FigureKind::Section { .. } => "section",
     }
 }

@@ -11,13 +11,14 @@ use super::run::quoted;
 use super::stop::Stop;
 use crate::estimator::Context;
 use crate::light::camera::Film;
-use crate::light::illumination::{Estimated, Shot, Traced};
+use crate::light::illumination::{Estimated, SIGHT_BYTES, Shot, Traced};
 use crate::light::image::{self, Tone};
 use crate::light::reference::{PathTracer, Reference};
 use crate::light::scene::Scene;
 use crate::light::spectrum::Colour;
+use crate::report::compared::Shown;
 use clap::{ArgGroup, Args};
-use page::{Origin, Shown, page};
+use page::{Origin, page};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -96,9 +97,8 @@ impl Render {
                 self.scene.display()
             )));
         };
-        // a sight takes 150 bytes, and its light and place as much again
         let rays = self.size[0] as u64 * self.size[1] as u64 * u64::from(self.rays).pow(2);
-        crate::memory::check(400 * rays)
+        crate::memory::check(SIGHT_BYTES * rays)
             .map_err(|error| Stop::Input(format!("--size: {error}")))?;
         let mut out = Output::open(Some(&self.output))?;
         let bar = light::bar(notes, "rays of the camera");

@@ -1,18 +1,7 @@
 //! Pictures beside the one that they are judged by, with what is wrong in each, as a page.
 
-use crate::light::image::{Image, Tone, luminance};
-use crate::report::figure::{Axis, Colours, HeatMaps, Map, Photograph, Photographs, Piece};
+use crate::report::compared::{Compared, Shown, Wrong, compare};
 use crate::report::page::{Cell, Figure, Page, Table};
-
-/// A picture with what made it.
-pub struct Shown {
-    /// The estimator, or how it was made.
-    pub name: String,
-    /// The picture.
-    pub image: Image,
-    /// Seconds that its light took, fit included.
-    pub seconds: f64,
-}
 
 /// What the page says of how it came about.
 pub struct Origin {
@@ -24,66 +13,16 @@ pub struct Origin {
     pub command: String,
 }
 
-/// Lamps seen directly are the same in every picture and would drown all else: above this many times the average, a pixel does not count.
-const LAMP: f64 = 8.0;
-/// The share of pixels whose errors lie within the colours of the maps.
-const WITHIN: f64 = 0.99;
-/// Pictures in a row.
-const COLUMNS: usize = 2;
-
 /// The page of `pictures`, judged by `truth`.
 pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
-    let judged = Judged::new(&truth.image);
-    let tone = Tone::of(&truth.image);
-    let size = [truth.image.width(), truth.image.height()];
-    let photographs = Photographs {
-        description:
-            "Pictures of the scene by each estimator beside the one that they are judged by."
-                .to_owned(),
-        size,
-        columns: COLUMNS,
-        pictures: std::iter::once(truth)
-            .chain(pictures)
-            .map(|shown| Photograph {
-                title: shown.name.clone(),
-                pixels: shown
-                    .image
-                    .pixels()
-                    .iter()
-                    .map(|&p| tone.display(p))
-                    .collect(),
-            })
-            .collect(),
-    };
-    let errors: Vec<Vec<f64>> = pictures.iter().map(|p| judged.errors(&p.image)).collect();
-    let limit = limit(&errors);
-    let [width, height] = size.map(|pixels| pixels as f64);
-    let maps = HeatMaps {
-        description: "What each picture shows too much or too little.".to_owned(),
-        x: Axis::new("", ""),
-        y: Axis::new("", ""),
-        low: [0.0; 2],
-        high: [width, height],
-        cells: size,
-        label: "too dark – too bright (% of the average)".to_owned(),
-        colours: Colours::Signed,
-        pieces: vec![Piece {
-            name: String::new(),
-            corners: vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]],
-        }],
-        columns: COLUMNS,
-        maps: pictures
-            .iter()
-            .zip(&errors)
-            .map(|(shown, errors)| Map {
-                title: shown.name.clone(),
-                values: upright(errors, size, limit),
-            })
-            .collect(),
-        ..HeatMaps::default()
-    };
-    let rows = pictures.iter().zip(&errors);
-    let rows = rows.map(|(shown, errors)| row(shown, errors));
+    let Compared {
+        pictures: photographs,
+        errors,
+        limit,
+        wrong,
+    } = compare(truth, pictures);
+    let rows = pictures.iter().zip(&wrong);
+    let rows = rows.map(|(shown, wrong)| row(shown, wrong));
     let table = Table {
         title: "Errors of pictures".to_owned(),
         caption: format!(
@@ -98,7 +37,10 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
     let mut facts = origin.facts;
     facts.insert(
         0,
-        ("pixels".to_owned(), format!("{} × {}", size[0], size[1])),
+        (
+            "pixels".to_owned(),
+            format!("{} × {}", truth.image.width(), truth.image.height()),
+        ),
     );
     Page {
         question: format!("How does {} look by each estimator, and what is wrong with it?", origin.scene),
@@ -108,14 +50,14 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
             Figure {
                 title: "The pictures".to_owned(),
                 caption: format!("First the one that all others are judged by, {}, which knows nothing of the photons.", truth.name),
-                svg: photographs.draw(),
+                svg: photographs,
             },
             Figure {
                 title: "What is wrong".to_owned(),
                 caption: format!(
-                    "Luminance less that of the first picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit:.0} % has the last colour; lamps are left out."
+                    "Luminance less that of the first picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit:.0} % has the last colour; lamps are left out. Beside each name stands the root of the mean square."
                 ),
-                svg: maps.draw(),
+                svg: errors,
             },
         ],
         tables: vec![table],
@@ -127,130 +69,11 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
 }
 
 /// One line of the table of errors.
-fn row(shown: &Shown, errors: &[f64]) -> Vec<Cell> {
-    let all: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
-    let n = all.len().max(1) as f64;
-    let mean = all.iter().sum::<f64>() / n;
-    let square = all.iter().map(|e| e * e).sum::<f64>() / n;
+fn row(shown: &Shown, wrong: &Wrong) -> Vec<Cell> {
     vec![
         Cell::text(shown.name.clone()),
-        Cell::exact(square.sqrt()),
-        Cell::exact(mean),
+        Cell::exact(wrong.root_mean_square),
+        Cell::exact(wrong.mean),
         Cell::exact(shown.seconds),
     ]
-}
-
-/// A picture to judge others by.
-struct Judged {
-    luminance: Vec<f64>,
-    average: f64,
-    ceiling: f64,
-}
-
-impl Judged {
-    fn new(truth: &Image) -> Self {
-        let of = |p: &[f32; 3]| f64::from(luminance(*p));
-        let all: Vec<f64> = truth.pixels().iter().map(of).collect();
-        // much of a picture may show nothing at all; of what is lit, half is no lamp, whatever the scene
-        let mut lit: Vec<f64> = all.iter().copied().filter(|&l| l > 0.0).collect();
-        lit.sort_by(f64::total_cmp);
-        let ceiling = lit.get(lit.len() / 2).map_or(f64::INFINITY, |m| LAMP * m);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for &luminance in all.iter().filter(|&&l| l <= ceiling) {
-            sum += luminance;
-            count += 1.0;
-        }
-        let average: f64 = sum / f64::max(count, 1.0);
-        Self {
-            luminance: all,
-            average: if average > 0.0 { average } else { 1.0 },
-            ceiling,
-        }
-    }
-
-    /// In per cent of the average; lamps are no number.
-    fn errors(&self, image: &Image) -> Vec<f64> {
-        let pairs = image.pixels().iter().zip(&self.luminance);
-        pairs
-            .map(|(&pixel, &truth)| {
-                if truth > self.ceiling {
-                    f64::NAN
-                } else {
-                    100.0 * (f64::from(luminance(pixel)) - truth) / self.average
-                }
-            })
-            .collect()
-    }
-}
-
-/// A round number that few errors exceed.
-fn limit(errors: &[Vec<f64>]) -> f64 {
-    let finite = errors.iter().flatten().filter(|e| e.is_finite());
-    let mut all: Vec<f64> = finite.map(|e| e.abs()).collect();
-    all.sort_by(f64::total_cmp);
-    let most = all.get((WITHIN * all.len() as f64) as usize);
-    let most = most.or(all.last()).copied().unwrap_or(1.0).max(1e-3);
-    let decade = 10.0_f64.powf(most.log10().floor());
-    let round = [1.0, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0];
-    let steps = round.into_iter().map(|step| step * decade);
-    steps
-        .filter(|&step| step >= most)
-        .fold(10.0 * decade, f64::min)
-}
-
-/// Rows from the top as columns from below, as maps want them, and no further than the limit.
-fn upright(errors: &[f64], [width, height]: [usize; 2], limit: f64) -> Vec<f64> {
-    let at = |column: usize, row: usize| {
-        let error = errors[(height - 1 - row) * width + column];
-        if error.is_finite() {
-            error.clamp(-limit, limit)
-        } else {
-            error
-        }
-    };
-    (0..width)
-        .flat_map(|column| (0..height).map(move |row| at(column, row)))
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Judged, limit, upright};
-    use crate::light::image::Image;
-
-    #[test]
-    fn errors_are_shares_of_the_average_without_lamps() {
-        let truth = Image::new(3, 1, vec![[1.0; 3], [3.0; 3], [1000.0; 3]]);
-        let judged = Judged::new(&truth);
-        let image = Image::new(3, 1, vec![[1.2; 3], [3.0; 3], [0.0; 3]]);
-        let errors = judged.errors(&image);
-        assert!((errors[0] - 10.0).abs() < 1e-4 && errors[1].abs() < 1e-4);
-        assert!(errors[2].is_nan());
-        for (most, round) in [(14.0, 20.0), (0.31, 0.4), (80.0, 100.0), (5.0, 5.0)] {
-            let limit = limit(&[vec![0.1, -most], vec![f64::NAN]]);
-            assert!((limit - round).abs() < 1e-9, "{most}: {limit}");
-        }
-        assert!(limit(&[]) > 0.0);
-    }
-
-    /// Where most pixels see nothing, what is lit counts all the same, and lamps still do not.
-    #[test]
-    fn a_dark_picture_is_judged_by_what_is_lit() {
-        let mut pixels = vec![[0.0; 3]; 7];
-        pixels.extend([[1.0; 3], [1.0; 3], [100.0; 3]]);
-        let judged = Judged::new(&Image::new(10, 1, pixels));
-        let brighter = vec![[1.02; 3]; 10];
-        let errors = judged.errors(&Image::new(10, 1, brighter));
-        // the average is over nine pixels, two of which are lit
-        assert!((errors[7] - 9.0).abs() < 1e-3, "{errors:?}");
-        assert!(errors[9].is_nan() && errors[..9].iter().all(|e| e.is_finite()));
-    }
-
-    #[test]
-    fn pictures_stand_upright() {
-        // 2 × 2: above 1 2, below 3 4
-        let maps = upright(&[1.0, 2.0, 3.0, f64::NAN], [2, 2], 2.5);
-        assert_eq!(&maps[..2], [2.5, 1.0]);
-        assert!(maps[2].is_nan() && (maps[3] - 2.0).abs() < 1e-12);
-    }
 }

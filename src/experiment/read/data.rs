@@ -127,6 +127,7 @@ pub(super) fn data(
             },
             truth: None,
             sample: Some(sample),
+            scene: None,
             span: place,
         }),
         Err((span, what)) => {

@@ -4,6 +4,7 @@ mod forms;
 
 pub(crate) use forms::FORMS;
 
+use super::camera::camera;
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, Span};
 use super::section::section;
@@ -323,6 +324,7 @@ fn resolve(
             })
         }
         "maps" => maps(reader, located, setting),
+        "camera" => camera(reader, located, setting),
         "section" => section(reader, located, setting),
         _ => None,
     }

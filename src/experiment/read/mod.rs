@@ -17,6 +17,7 @@
 //!
 //! Nothing in a file is executed, and the only other files opened are the data files that it names.
 
+mod camera;
 pub(crate) mod claim;
 mod data;
 pub(crate) mod estimator;

@@ -114,6 +114,7 @@ pub(super) fn scenes(
                 },
                 truth: None,
                 sample: None,
+                scene: Some(walk.scene.clone()),
                 span: walk.span.clone(),
             });
         }

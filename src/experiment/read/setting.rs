@@ -5,6 +5,8 @@ use super::names::Names;
 use super::node::{Item, Reader};
 use super::problem::{Problem, Span, printable};
 use super::value::Located;
+use crate::experiment::SourceSpec;
+use crate::light::scene::Scene;
 use crate::parameter::{listed, nearest};
 use std::collections::BTreeMap;
 
@@ -12,6 +14,8 @@ use std::collections::BTreeMap;
 pub(super) struct Setting<'s> {
     pub(super) names: &'s Names,
     pub(super) sources: Option<Vec<&'s str>>,
+    /// Those in which photons walk, each with its scene.
+    pub(super) rooms: Option<&'s [(&'s SourceSpec, &'s Scene)]>,
     pub(super) draws: Option<&'s [usize]>,
     /// The names of the regions.
     pub(super) regions: &'s [String],

@@ -7,6 +7,7 @@ use super::scene;
 use super::value;
 use crate::density::{self, Truth};
 use crate::experiment::{PathSpec, SourceSpec};
+use crate::light::scene::Scene;
 use crate::parameter::{Absent, Kind, Parameter, Values, listed, nearest};
 use crate::sample::Clustered;
 use std::path::Path;
@@ -19,6 +20,8 @@ pub(super) struct Read {
     pub(super) truth: Option<Truth>,
     /// The data of a file.
     pub(super) sample: Option<Data>,
+    /// Where photons walk.
+    pub(super) scene: Option<Arc<Scene>>,
     pub(super) span: Span,
 }
 
@@ -351,6 +354,7 @@ fn build(
             },
             truth: Some(truth),
             sample: None,
+            scene: None,
             span,
         }),
         Err(error) => {

@@ -225,7 +225,14 @@ pub(super) fn experiment(
     }
     let dimensions = head.dimensions();
     let (regions, known) = regions(reader, &mut top, &head);
+    let rooms: Option<Vec<_>> = head.sources.as_ref().map(|sources| {
+        let rooms = sources.iter();
+        rooms
+            .filter_map(|read| Some((&read.spec, read.scene.as_deref()?)))
+            .collect()
+    });
     let setting = Setting {
+        rooms: rooms.as_deref(),
         uncertainties: &uncertain,
         names: &names,
         regions: &known,

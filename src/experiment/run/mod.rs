@@ -9,6 +9,7 @@ mod cell;
 mod folder;
 mod journal;
 mod look;
+mod opened;
 
 pub use bench::{Bench, Setting};
 pub use cell::{Cell, Part, Record, Replicate};

@@ -14,7 +14,7 @@ mod solved;
 mod traced;
 
 pub use estimated::{Estimated, channels};
-pub use picture::Shot;
+pub use picture::{SIGHT_BYTES, Shot};
 pub use traced::Traced;
 
 use super::vector::Vector;

@@ -29,6 +29,8 @@ pub struct Shot {
     sights: Vec<Sight>,
 }
 
+/// Bytes of memory for each ray of a picture: a sight takes 150, and its light and place as much again.
+pub const SIGHT_BYTES: u64 = 400;
 /// Mirrors and clear surfaces that a ray of the camera passes at most.
 const BOUNCES: usize = 32;
 

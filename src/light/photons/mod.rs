@@ -7,7 +7,7 @@ use crate::density::Density;
 use crate::light::hits::{Hits, Record};
 use crate::light::reference::{Light, Reference, SurfaceTruth};
 use crate::light::scene::{Scene, Shape};
-use crate::light::walk::{Power, Walk};
+use crate::light::walk::{Power, Walk, WalkError};
 use crate::parameter::{Absent, BuildError, Kind, Parameter, Values};
 use crate::random::Stream;
 use crate::sample::{Exposed, Sample, SampleError, Source};
@@ -69,6 +69,54 @@ pub struct Photons {
     truth: SurfaceTruth,
 }
 
+fn error(parameter: &'static str, what: &str) -> BuildError {
+    BuildError {
+        parameter,
+        what: what.to_owned(),
+    }
+}
+
+/// What happens to a photon's power, as `values` (see [`WALK`]) say.
+///
+/// # Errors
+/// If the roulette is told how, and there is none.
+pub fn power(values: &Values) -> Result<Power, BuildError> {
+    let attenuated = values.word("power") == Some("attenuated");
+    let told = ["threshold", "kill"]
+        .into_iter()
+        .find(|name| values.number(name).is_some());
+    if let Some(parameter) = told.filter(|_| !attenuated) {
+        return Err(error(parameter, "roulette is for power = \"attenuated\""));
+    }
+    Ok(if attenuated {
+        Power::Attenuated {
+            threshold: values.number("threshold").unwrap_or(0.1),
+            kill: values.number("kill").unwrap_or(0.5),
+        }
+    } else {
+        Power::Same
+    })
+}
+
+/// Whether every hit counts, as `values` (see [`WALK`]) say: what a picture of all light is made of.
+pub fn counts_all(values: &Values) -> bool {
+    matches!(values.word("light"), None | Some("all"))
+        && matches!(values.word("score"), None | Some("collision"))
+}
+
+/// The walk of so many paths that makes one sample of every surface: `random` gives its seed.
+///
+/// # Errors
+/// If their number is not legal.
+pub fn walk<'s>(
+    scene: &'s Scene,
+    power: Power,
+    draws: usize,
+    random: &mut Stream,
+) -> Result<Walk<'s>, WalkError> {
+    Walk::new(scene, power, draws as u64, random.next_u64())
+}
+
 impl Photons {
     /// Hits on the surface at a position in the reference's scene, walked as `values` (see [`WALK`]) say.
     ///
@@ -79,32 +127,14 @@ impl Photons {
         surface: usize,
         values: &Values,
     ) -> Result<Self, BuildError> {
-        let error = |parameter, what: &str| BuildError {
-            parameter,
-            what: what.to_owned(),
-        };
         let scene = reference.scene().clone();
-        let attenuated = values.word("power") == Some("attenuated");
-        let told = ["threshold", "kill"]
-            .into_iter()
-            .find(|name| values.number(name).is_some());
-        if let Some(parameter) = told.filter(|_| !attenuated) {
-            return Err(error(parameter, "roulette is for power = \"attenuated\""));
-        }
-        let power = if attenuated {
-            Power::Attenuated {
-                threshold: values.number("threshold").unwrap_or(0.1),
-                kill: values.number("kill").unwrap_or(0.5),
-            }
-        } else {
-            Power::Same
-        };
+        let power = power(values)?;
         let score = match values.word("score") {
             Some("survival") => Score::Survival,
             Some("absorption") => Score::Absorption,
             _ => Score::Collision,
         };
-        if score != Score::Collision && attenuated {
+        if score != Score::Collision && power != Power::Same {
             return Err(error(
                 "score",
                 "where paths are absorbed is known of photons that keep their power",
@@ -189,8 +219,7 @@ impl Source<2> for Photons {
 
     /// So many paths, walked with a seed from the stream.
     fn sample(&self, draws: usize, random: &mut Stream) -> Result<Sample<2>, SampleError> {
-        let walk = Walk::new(&self.scene, self.power, draws as u64, random.next_u64());
-        let hits = walk.and_then(|walk| walk.run());
+        let hits = walk(&self.scene, self.power, draws, random).and_then(|walk| walk.run());
         let (hits, _) = hits.map_err(|error| SampleError::Source(error.to_string()))?;
         self.scored(&hits).unwrap_or(Err(SampleError::Empty))
     }

@@ -3,6 +3,7 @@
 //! Figures and page are drawn from results alone; nothing is simulated here. The only estimates computed are those of the first
 //! sample, which is drawn again from its own random stream.
 
+mod camera;
 mod comparison;
 mod convergence;
 mod coverage;

@@ -1,5 +1,6 @@
 //! The drawings of experiments in the plane: maps and cross-sections.
 
+use super::camera::seen;
 use super::pictures::{axis_of, chosen, common, picture, shows, together};
 use super::room::unfolded;
 use super::section::section;
@@ -44,6 +45,10 @@ impl Draws<2> for Paper {
                     .collect();
                 let drawn = unfolded(material, figure, &faces, show)?;
                 pictures.extend(drawn.map(|svg| picture::<2>(figure, None, svg)));
+                continue;
+            }
+            if let FigureKind::Camera { .. } = figure.kind {
+                pictures.extend(seen(material, figure, &shown)?);
                 continue;
             }
             if let Some(svg) = together(figure, &shown) {

@@ -4,6 +4,12 @@ use super::Form;
 use crate::kernel::Shape;
 use crate::parameter::{Absent, Kind, Parameter};
 
+/// A side of a picture in pixels.
+const SIDE: Kind = Kind::Count {
+    least: 1,
+    most: 4096,
+};
+
 /// Every kind of figure.
 pub(crate) const FORMS: &[Form] = &[
     Form {
@@ -215,6 +221,33 @@ pub(crate) const FORMS: &[Form] = &[
         replicates: false,
         only: Some(2),
         title: "Unfolded",
+    },
+    Form {
+        name: "camera",
+        summary: "pictures of a scene through its camera, lit by each estimator from the hits of the first sample, beside one traced without photons; and maps of what is wrong in each",
+        parameters: &[
+            Parameter::optional("width", SIDE, Absent::Number(256.0), "pixels in a row"),
+            Parameter::optional("height", SIDE, Absent::Number(256.0), "rows of pixels"),
+            Parameter::optional(
+                "rays",
+                Kind::Count { least: 1, most: 16 },
+                Absent::Number(2.0),
+                "rays for each pixel: so many by so many",
+            ),
+            Parameter::optional(
+                "paths",
+                Kind::Count {
+                    least: 1,
+                    most: 1_000_000,
+                },
+                Absent::Unset,
+                "the picture that judges is traced with so many paths from each place; by default the reference lights it",
+            ),
+        ],
+        truth: false,
+        replicates: false,
+        only: Some(2),
+        title: "Seen by the camera",
     },
     Form {
         name: "section",

@@ -1,0 +1,77 @@
+//! `camera` of a `[[figure]]`.
+
+use super::node::Reader;
+use super::problem::Problem;
+use super::setting::Setting;
+use super::value::Located;
+use crate::experiment::{FigureKind, SourceSpec};
+use crate::light::illumination::SIGHT_BYTES;
+use crate::light::photons::counts_all;
+use crate::light::spectrum::Colour;
+use crate::memory;
+
+pub(super) fn camera(
+    reader: &mut Reader,
+    located: &Located,
+    setting: &Setting<'_>,
+) -> Option<FigureKind> {
+    let count = |name| {
+        let count = located.values.count(name)?;
+        usize::try_from(count).ok()
+    };
+    let [width, height, rays] = [count("width")?, count("height")?, count("rays")?];
+    let bytes = SIGHT_BYTES * (width * height * rays * rays) as u64;
+    if let Err(error) = memory::check(bytes) {
+        let name = ["rays", "width", "height"]
+            .into_iter()
+            .find(|name| located.given(name));
+        let place = located.place(name.unwrap_or("width"));
+        reader.report(Problem::at(
+            place,
+            format!("the picture is too large: {error}"),
+        ));
+        return None;
+    }
+    for (spec, scene) in setting.rooms? {
+        let SourceSpec::Scene { path, values, .. } = spec else {
+            continue;
+        };
+        let path = path.display();
+        let problem = if scene.camera.is_none() {
+            Problem::at(located.span.clone(), format!("{path} has no camera"))
+                .help("give the scene a table [camera]")
+        } else if scene.colour == Colour::Spectral {
+            Problem::at(
+                located.span.clone(),
+                format!("{path} knows colour by wavelength"),
+            )
+            .help("the pictures that judge are for scenes in red, green and blue")
+        } else if !counts_all(values) {
+            Problem::at(
+                located.span.clone(),
+                format!("a picture shows all light, and not every hit of {path} counts"),
+            )
+            .help("leave out `light` and `score`, or give the picture an experiment of its own")
+        } else {
+            continue;
+        };
+        reader.report(problem);
+        return None;
+    }
+    if setting.rooms.is_some_and(<[_]>::is_empty) {
+        reader.report(
+            Problem::at(
+                located.span.clone(),
+                "the figure `camera` is for photons in a scene, and the source is another",
+            )
+            .help("for instance: source = { scene = \"PATH\", surface = \"NAME\" }"),
+        );
+        return None;
+    }
+    Some(FigureKind::Camera {
+        width,
+        height,
+        rays,
+        paths: count("paths"),
+    })
+}
