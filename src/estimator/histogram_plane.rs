@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// f̂(x) = (mass in the bin of x) / (width-x · width-y). The lattice of bins has a corner at the origin; its first axis makes the angle with that of
 /// the data. [Scott 1992, section 3.4]
 ///
-/// A datum on an edge belongs to the bin beyond it. O((n + m) log n) time and O(n) memory, however many bins the range holds.
+/// A datum on an edge belongs to the bin beyond it. O(n + m) time where the range holds at most some bins for each point, else O((n + m) log n), and O(n)
+/// memory, however many bins the range holds.
 pub struct HistogramPlane {
     lattice: Lattice,
     origin: Point<2>,
@@ -24,11 +25,28 @@ pub struct HistogramPlane {
 
 struct Fitted {
     lattice: Lattice,
-    /// The bins with data, in order.
-    numbers: Vec<[f64; 2]>,
-    heights: Vec<f64>,
+    bins: Bins,
     domain: Domain<2>,
 }
+
+/// The height of each bin.
+enum Bins {
+    /// All bins of a range of numbers, the second axis fastest.
+    Dense {
+        least: [f64; 2],
+        counts: [usize; 2],
+        heights: Vec<f64>,
+    },
+    /// The bins with data, in order.
+    Sparse {
+        numbers: Vec<[f64; 2]>,
+        heights: Vec<f64>,
+    },
+}
+
+/// A table of all bins has at most so many for each point, and as many for few points.
+const FOR_EACH_POINT: f64 = 4.0;
+const FOR_FEW: f64 = 4096.0;
 
 impl Field<2> for Fitted {
     fn domain(&self) -> &Domain<2> {
@@ -37,9 +55,24 @@ impl Field<2> for Fitted {
 
     fn at(&self, x: Point<2>) -> f64 {
         let number = self.lattice.number(x);
-        self.numbers
-            .binary_search_by(|known| order(known, &number))
-            .map_or(0.0, |place| self.heights[place])
+        match &self.bins {
+            Bins::Dense {
+                least,
+                counts,
+                heights,
+            } => {
+                let [i, j] = [0, 1].map(|k: usize| number[k] - least[k]);
+                let inside = i >= 0.0 && j >= 0.0 && i < counts[0] as f64 && j < counts[1] as f64;
+                if inside {
+                    heights[i as usize * counts[1] + j as usize]
+                } else {
+                    0.0
+                }
+            }
+            Bins::Sparse { numbers, heights } => numbers
+                .binary_search_by(|known| order(known, &number))
+                .map_or(0.0, |place| heights[place]),
+        }
     }
 }
 
@@ -50,11 +83,48 @@ fn order(a: &[f64; 2], b: &[f64; 2]) -> std::cmp::Ordering {
         .then((a[1] + 0.0).total_cmp(&(b[1] + 0.0)))
 }
 
+impl Bins {
+    /// The mass at each number over `area`, added in the order of the points either way.
+    fn new(numbered: &[([f64; 2], f64)], area: f64) -> Self {
+        let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (number, _) in numbered {
+            for k in 0..2 {
+                least[k] = least[k].min(number[k]);
+                most[k] = most[k].max(number[k]);
+            }
+        }
+        let [across, along] = [0, 1].map(|k: usize| most[k] - least[k] + 1.0);
+        if across * along <= (FOR_EACH_POINT * numbered.len() as f64).max(FOR_FEW) {
+            let counts = [across, along].map(|count| count.max(0.0) as usize);
+            let mut masses = vec![Sum::default(); counts[0] * counts[1]];
+            for ([i, j], mass) in numbered {
+                let place = (i - least[0]) as usize * counts[1] + (j - least[1]) as usize;
+                masses[place].add(*mass);
+            }
+            return Self::Dense {
+                least,
+                counts,
+                heights: masses.iter().map(|mass| mass.value() / area).collect(),
+            };
+        }
+        let mut sorted: Vec<usize> = (0..numbered.len()).collect();
+        sorted.sort_unstable_by(|&a, &b| order(&numbered[a].0, &numbered[b].0).then(a.cmp(&b)));
+        let (mut numbers, mut heights) = (Vec::new(), Vec::new());
+        for bin in sorted.chunk_by(|&a, &b| order(&numbered[a].0, &numbered[b].0).is_eq()) {
+            let mass: Sum = bin.iter().map(|&i| numbered[i].1).collect();
+            numbers.push(numbered[bin[0]].0);
+            heights.push(mass.value() / area);
+        }
+        Self::Sparse { numbers, heights }
+    }
+}
+
 impl HistogramPlane {
     fn bin(&self, sample: &Sample<2>) -> Result<Fitted, FitError> {
-        let mut placed: Vec<([f64; 2], usize)> = Vec::with_capacity(sample.len());
+        let mut numbered = Vec::with_capacity(sample.len());
         for (i, &x) in sample.points().iter().enumerate() {
-            if sample.weight(i) <= 0.0 {
+            let weight = sample.weight(i);
+            if weight <= 0.0 {
                 continue;
             }
             let number = self.lattice.number(x);
@@ -67,19 +137,11 @@ impl HistogramPlane {
                     self.lattice.widths()[1]
                 )));
             }
-            placed.push((number, i));
-        }
-        placed.sort_unstable_by(|a, b| order(&a.0, &b.0).then(a.1.cmp(&b.1)));
-        let (mut numbers, mut heights) = (Vec::new(), Vec::new());
-        for bin in placed.chunk_by(|a, b| order(&a.0, &b.0).is_eq()) {
-            let mass: Sum = bin.iter().map(|&(_, i)| sample.weight(i)).collect();
-            numbers.push(bin[0].0);
-            heights.push(mass.value() / self.lattice.area());
+            numbered.push((number, weight));
         }
         Ok(Fitted {
             lattice: self.lattice,
-            numbers,
-            heights,
+            bins: Bins::new(&numbered, self.lattice.area()),
             domain: sample.domain().clone(),
         })
     }
@@ -134,7 +196,7 @@ impl Estimator<2> for HistogramPlane {
 impl Described for HistogramPlane {
     const NAME: &'static str = Histogram::NAME;
     const SUMMARY: &'static str = Histogram::SUMMARY;
-    const COST: &'static str = "O((n + m) log n)";
+    const COST: &'static str = "O(n + m); O((n + m) log n) where bins are far more than points";
     const REFERENCE: &'static str = Histogram::REFERENCE;
     const SMOOTHING: Option<&'static str> = Histogram::SMOOTHING;
     const PARAMETERS: &'static [Parameter] = Histogram::PARAMETERS;
@@ -231,6 +293,43 @@ mod tests {
         ] {
             assert!((fitted.at(x) - count * one).abs() < 1e-15, "{x:?}");
         }
+    }
+
+    /// A table of all bins and a list of those with data hold the same: bit for bit, and nothing beyond.
+    #[test]
+    fn a_table_is_a_list() {
+        let numbered: Vec<([f64; 2], f64)> = (0..3000_u32)
+            .map(|i| {
+                let spread = |factor: u32| f64::from(i.wrapping_mul(factor) % 37) - 18.0;
+                (
+                    [spread(7919), spread(104_729)],
+                    f64::from(i % 13) * 0.1 + 0.01,
+                )
+            })
+            .collect();
+        let field = |bins| Fitted {
+            lattice: Lattice::new([0.3, 0.7], [0.1, -0.2], 20.0),
+            bins,
+            domain: Domain::whole(),
+        };
+        let table = Bins::new(&numbered, 0.21);
+        assert!(matches!(table, Bins::Dense { .. }));
+        // a bin far out makes a list of the same data
+        let mut far = numbered.clone();
+        far.push(([1e9, -1e9], 1.0));
+        let list = Bins::new(&far, 0.21);
+        assert!(matches!(list, Bins::Sparse { .. }));
+        let (table, list) = (field(table), field(list));
+        let mut filled = 0;
+        for i in -40..40 {
+            for j in -60..60 {
+                let x = [f64::from(i) * 0.31, f64::from(j) * 0.37];
+                assert_eq!(table.at(x).to_bits(), list.at(x).to_bits(), "{x:?}");
+                filled += usize::from(table.at(x) > 0.0);
+            }
+        }
+        assert!(filled > 1000, "{filled}");
+        assert!(table.at([f64::MAX, 0.0]).abs() < 1e-300);
     }
 
     /// Turning the lattice is turning the data the other way.
