@@ -152,7 +152,7 @@ pub enum Role {
     Estimate(usize),
     /// A step function: `x` holds the k + 1 edges of k cells, `y` the k heights.
     Steps(usize),
-    /// A curve (such as a median) with a band (such as 5 % to 95 % of the replicates) around it.
+    /// A mean with a band of one standard deviation on each side of it.
     Band {
         /// Number of the estimate.
         colour: usize,

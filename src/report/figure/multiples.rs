@@ -2,12 +2,12 @@
 
 use super::canvas::{Canvas, Hang, MARGIN, Type};
 use super::curves::{WIDTH, abscissae, legend, nothing, ordinate_scale, series};
-use super::legend::{Entry, Legend};
+use super::legend::{Entry, Legend, Swatch};
 use super::panel::{overhang, room_left, title};
 use super::path::Place;
 use super::scale::{Scale, Ticks};
-use super::style;
-use super::{Axis, Series, Svg};
+use super::style::{self, Stroke};
+use super::{Axis, Role, Series, Svg};
 use crate::report::text::{BOLDER, fit, width};
 
 /// One small panel.
@@ -239,7 +239,7 @@ impl Multiples {
         );
     }
 
-    /// Legend entries: those of the fullest panel, without the series that the panels' titles name already.
+    /// Legend entries: those of the fullest panel, without the series that the panels' titles name already; but what a band is no title says.
     fn entries(&self) -> Vec<Entry> {
         let fullest = self.panels.iter().max_by_key(|panel| panel.series.len());
         let series = fullest
@@ -254,9 +254,17 @@ impl Multiples {
             })
         };
         let entries = legend(series, false).into_iter().enumerate();
-        entries
+        let mut entries: Vec<Entry> = entries
             .filter(|(position, _)| !named(*position))
             .map(|(_, entry)| entry)
-            .collect()
+            .collect();
+        let mut all = series.iter().enumerate();
+        if all.any(|(position, s)| named(position) && matches!(s.role, Role::Band { .. })) {
+            entries.push(Entry {
+                swatch: Swatch::Band(Stroke::new(style::MUTED, 1.6)),
+                name: "mean ± one standard deviation".to_owned(),
+            });
+        }
+        entries
     }
 }

@@ -7,7 +7,7 @@ use super::panel::{Frame, overhang, room_left};
 use super::scale::Scale;
 use super::style::{self, Stroke};
 use super::{Axis, Marker, Svg};
-use crate::report::text::width;
+use crate::report::text::{fit, width};
 use plotters::style::RGBColor;
 
 /// Which part of the error a trace is; picks its colour.
@@ -71,6 +71,9 @@ pub struct Sweep {
 }
 
 const HEIGHT: f64 = 320.0;
+/// What the names beside the ends of curves may take of the width, and what of that leads to a name.
+const LABELS: f64 = 220.0;
+const LEADER: f64 = 26.0;
 
 /// How many times lower than its upper end an interval is cut that reaches zero.
 const CUT: f64 = 30.0;
@@ -128,6 +131,13 @@ impl Sweep {
         self.draw_in_frame().0
     }
 
+    /// The name of a trace with a value that stays readable where the name is too long.
+    pub fn name_with(name: &str, value: &str) -> String {
+        let value = format!(", {value}");
+        let room = LABELS - LEADER - width(&value, style::LABEL);
+        fit(name, style::LABEL, room) + &value
+    }
+
     /// The figure and where its frame lies.
     pub fn draw_in_frame(&self) -> (Svg, Frame) {
         let (x, y) = self.scales();
@@ -143,12 +153,12 @@ impl Sweep {
         let labels = self
             .traces
             .iter()
-            .map(|trace| width(&trace.name, style::LABEL) + 26.0)
+            .map(|trace| width(&trace.name, style::LABEL) + LEADER)
             .fold(0.0, f64::max)
-            .min(170.0);
+            .min(LABELS);
         frame.width -= labels
             .max(Markers::overhang(&self.markers, frame))
-            .min(170.0);
+            .min(LABELS);
         let markers = Markers::new(&self.markers, frame, WIDTH - 4.0);
         let legend = Legend::new(self.key(), WIDTH - 2.0 * MARGIN);
         let heading = Canvas::new(WIDTH, 1.0).title(&self.title, WIDTH - 2.0 * MARGIN);

@@ -48,7 +48,7 @@ pub(super) fn draw<const D: usize>(
             .or_else(|| slope(&groups, name, measure, CONFIDENCE));
         Trace {
             name: match slope {
-                Some(slope) => format!("{name}, {}", minus(&format!("{:.3}", slope.value))),
+                Some(slope) => Sweep::name_with(name, &minus(&format!("{:.3}", slope.value))),
                 None => name.to_owned(),
             },
             part: Part::Other(number),
