@@ -129,7 +129,7 @@ impl Described for NestedTest {
         "nearest neighbours, as many at each place as a test of evenness lets pass";
     const COST: &'static str =
         "O(n + m max) where the data are spread evenly, O(n log n + m max log n) else";
-    const REFERENCE: &'static str = "the Beta distribution of nested balls; -";
+    const REFERENCE: &'static str = "David & Nagaraja 2003, Order Statistics, chapter 2: shares of nested balls have Beta distributions";
     const SMOOTHING: Option<&'static str> = Some("max");
     const PARAMETERS: &'static [Parameter] = &[
         MIN,
