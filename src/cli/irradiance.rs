@@ -124,6 +124,7 @@ impl Irradiance {
         let maps = ["red", "green", "blue"].into_iter().enumerate();
         let maps = maps.map(|(channel, name)| Map {
             title: name.to_owned(),
+            value: String::new(),
             values: (0..values.len())
                 .map(|cell| {
                     if inside(cell) {

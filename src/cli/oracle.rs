@@ -273,7 +273,7 @@ impl Oracle {
             Ok(answer)
         } else {
             Err(Stop::Input(format!(
-                "the error at --bandwidth {} with --n {} is beyond what numbers can hold",
+                "no exact error at --bandwidth {} with --n {}: it is beyond what numbers can hold, or the bandwidth is too narrow for the theory of this estimator (that of adaptive kernels begins at a ten-thousandth of the density's range)",
                 Shortest(bandwidth),
                 self.n
             )))

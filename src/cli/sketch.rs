@@ -96,8 +96,8 @@ impl Draws<2> for Sketch<'_> {
             (figure.low, figure.high) = (grid.low(), grid.high());
             figure.cells = grid.cells();
             figure.maps = vec![Map {
-                title: String::new(),
                 values: values.to_vec(),
+                ..Map::default()
             }];
         }
         figure.draw().to_string()

@@ -222,10 +222,7 @@ impl Work<'_> {
     }
 }
 
-/// Pieces that are read back at a time.
-const CHUNK: u64 = 32;
-
-/// Writes the rows of all pieces; some are read back and checked while those before them are written.
+/// Writes the rows of all pieces; those of a file that is no Parquet are read back and checked, one for each thread, while others before them are written.
 fn write(
     mut output: Output,
     format: Format,
@@ -256,12 +253,13 @@ fn write(
         };
     }
     output.write_all(&format.head(scene.colour, hits))?;
+    let chunk = rayon::current_num_threads().max(1);
     let some = |from: u64| -> Result<Vec<Vec<u8>>, Stop> {
-        let to = (from + CHUNK).min(pieces);
+        let to = (from + chunk as u64).min(pieces);
         (from..to).into_par_iter().map(&load).collect()
     };
     let mut ready = some(0)?;
-    for next in (CHUNK..pieces + CHUNK).step_by(CHUNK as usize) {
+    for next in (chunk as u64..pieces + chunk as u64).step_by(chunk) {
         let mut put = || ready.iter().try_for_each(|rows| output.write_all(rows));
         let (written, loaded) = rayon::join(&mut put, || some(next));
         written?;

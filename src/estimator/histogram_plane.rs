@@ -83,6 +83,12 @@ fn order(a: &[f64; 2], b: &[f64; 2]) -> std::cmp::Ordering {
         .then((a[1] + 0.0).total_cmp(&(b[1] + 0.0)))
 }
 
+/// A bin without mass has no height, even where its area is too small for a number.
+fn height(mass: Sum, area: f64) -> f64 {
+    let mass = mass.value();
+    if mass > 0.0 { mass / area } else { 0.0 }
+}
+
 impl Bins {
     /// The mass at each number over `area`, added in the order of the points either way.
     fn new(numbered: &[([f64; 2], f64)], area: f64) -> Self {
@@ -104,7 +110,7 @@ impl Bins {
             return Self::Dense {
                 least,
                 counts,
-                heights: masses.iter().map(|mass| mass.value() / area).collect(),
+                heights: masses.iter().map(|&mass| height(mass, area)).collect(),
             };
         }
         let mut sorted: Vec<usize> = (0..numbered.len()).collect();
@@ -113,7 +119,7 @@ impl Bins {
         for bin in sorted.chunk_by(|&a, &b| order(&numbered[a].0, &numbered[b].0).is_eq()) {
             let mass: Sum = bin.iter().map(|&i| numbered[i].1).collect();
             numbers.push(numbered[bin[0]].0);
-            heights.push(mass.value() / area);
+            heights.push(height(mass, area));
         }
         Self::Sparse { numbers, heights }
     }
@@ -300,11 +306,8 @@ mod tests {
     fn a_table_is_a_list() {
         let numbered: Vec<([f64; 2], f64)> = (0..3000_u32)
             .map(|i| {
-                let spread = |factor: u32| f64::from(i.wrapping_mul(factor) % 37) - 18.0;
-                (
-                    [spread(7919), spread(104_729)],
-                    f64::from(i % 13) * 0.1 + 0.01,
-                )
+                let number = [i % 37, (i / 37) % 37].map(|k| f64::from(k) - 18.0);
+                (number, f64::from(i % 13) * 0.1 + 0.01)
             })
             .collect();
         let field = |bins| Fitted {
@@ -330,6 +333,13 @@ mod tests {
         }
         assert!(filled > 1000, "{filled}");
         assert!(table.at([f64::MAX, 0.0]).abs() < 1e-300);
+        let flat = Fitted {
+            lattice: Lattice::new([1.0; 2], [0.0; 2], 0.0),
+            bins: Bins::new(&[([0.0, 0.0], 1.0), ([2.0, 0.0], 1.0)], 0.0),
+            domain: Domain::whole(),
+        };
+        let heights = [0.5, 1.5, 2.5].map(|x| flat.at([x, 0.5]));
+        assert!(heights[0].is_infinite() && heights[1].abs() < 1e-300 && heights[2].is_infinite());
     }
 
     /// Turning the lattice is turning the data the other way.

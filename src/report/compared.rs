@@ -1,6 +1,7 @@
 //! Pictures of a scene beside the one that they are judged by, with what is wrong in each.
 
 use super::figure::{Axis, Colours, HeatMaps, Map, Photograph, Photographs, Piece, Svg};
+use super::text::significant;
 use crate::light::image::{Image, Tone, luminance};
 
 /// A picture with what made it.
@@ -28,8 +29,8 @@ pub struct Compared {
     pub pictures: Svg,
     /// A map of the errors of each.
     pub errors: Svg,
-    /// Errors beyond it, in per cent of the average, have the last colour.
-    pub limit: f64,
+    /// Errors beyond it, in per cent of the average, have the last colour: a round number as text.
+    pub limit: String,
     /// How wrong each is.
     pub wrong: Vec<Wrong>,
 }
@@ -86,7 +87,8 @@ pub fn compare(truth: &Shown, pictures: &[Shown]) -> Compared {
             .iter()
             .zip(errors.iter().zip(&wrong))
             .map(|(shown, (errors, wrong))| Map {
-                title: format!("{}: {:.2} %", shown.name, wrong.root_mean_square),
+                title: shown.name.clone(),
+                value: wrong.in_words(),
                 values: upright(errors, size, limit),
             })
             .collect(),
@@ -95,7 +97,7 @@ pub fn compare(truth: &Shown, pictures: &[Shown]) -> Compared {
     Compared {
         pictures: photographs.draw(),
         errors: maps.draw(),
-        limit,
+        limit: significant(limit, 3),
         wrong,
     }
 }
@@ -109,8 +111,17 @@ fn columns(pictures: usize) -> usize {
 }
 
 impl Wrong {
+    fn in_words(self) -> String {
+        if self.root_mean_square.is_finite() {
+            format!("{:.2} %", self.root_mean_square)
+        } else {
+            "infinite".to_owned()
+        }
+    }
+
     fn of(errors: &[f64]) -> Self {
-        let all: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
+        // an infinite pixel makes all infinite
+        let all: Vec<f64> = errors.iter().copied().filter(|e| !e.is_nan()).collect();
         let n = all.len().max(1) as f64;
         let square = all.iter().map(|e| e * e).sum::<f64>() / n;
         Self {
@@ -182,11 +193,8 @@ fn limit(errors: &[Vec<f64>]) -> f64 {
 fn upright(errors: &[f64], [width, height]: [usize; 2], limit: f64) -> Vec<f64> {
     let at = |column: usize, row: usize| {
         let error = errors[(height - 1 - row) * width + column];
-        if error.is_finite() {
-            error.clamp(-limit, limit)
-        } else {
-            error
-        }
+        // lamps stay no number
+        error.clamp(-limit, limit)
     };
     (0..width)
         .flat_map(|column| (0..height).map(move |row| at(column, row)))

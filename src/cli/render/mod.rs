@@ -17,6 +17,7 @@ use crate::light::reference::{PathTracer, Reference};
 use crate::light::scene::Scene;
 use crate::light::spectrum::Colour;
 use crate::report::compared::Shown;
+use crate::space::Warning;
 use clap::{ArgGroup, Args};
 use page::{Origin, page};
 use std::fmt::Write as _;
@@ -212,6 +213,15 @@ impl Render {
             .iter()
             .map(|settings| settings.build::<2>(&context))
             .collect::<Result<Vec<_>, _>>()?;
+        for mesh in scene.surfaces().iter().filter(|s| s.domain().is_none()) {
+            notes.warn(&Warning {
+                what: format!(
+                    "the surface \"{}\" is a mesh, on which nothing is estimated: it is black in pictures by estimators",
+                    mesh.name.escape_debug()
+                ),
+                hint: "--paths and --reference show it".to_owned(),
+            });
+        }
         let begin = Instant::now();
         let hits = light::walk(scene, photons, self.seed, true)?;
         let walk = begin.elapsed().as_secs_f64();

@@ -55,7 +55,7 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
             Figure {
                 title: "What is wrong".to_owned(),
                 caption: format!(
-                    "Luminance less that of the first picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit:.0} % has the last colour; lamps are left out. Beside each name stands the root of the mean square."
+                    "Luminance less that of the first picture, in per cent of its average: blue is too dark, red too bright, what is beyond ±{limit} % has the last colour; lamps are left out. Beside each name stands the root of the mean square."
                 ),
                 svg: errors,
             },
@@ -70,10 +70,17 @@ pub fn page(truth: &Shown, pictures: &[Shown], origin: Origin) -> String {
 
 /// One line of the table of errors.
 fn row(shown: &Shown, wrong: &Wrong) -> Vec<Cell> {
+    let number = |x: f64| {
+        if x.is_finite() {
+            Cell::exact(x)
+        } else {
+            Cell::text("infinite")
+        }
+    };
     vec![
         Cell::text(shown.name.clone()),
-        Cell::exact(wrong.root_mean_square),
-        Cell::exact(wrong.mean),
+        number(wrong.root_mean_square),
+        number(wrong.mean),
         Cell::exact(shown.seconds),
     ]
 }

@@ -1,7 +1,7 @@
 //! `camera` of a `[[figure]]`.
 
 use super::node::Reader;
-use super::problem::Problem;
+use super::problem::{Problem, printable};
 use super::setting::Setting;
 use super::value::Located;
 use crate::experiment::{FigureKind, SourceSpec};
@@ -46,6 +46,15 @@ pub(super) fn camera(
                 format!("{path} knows colour by wavelength"),
             )
             .help("the pictures that judge are for scenes in red, green and blue")
+        } else if let Some(mesh) = scene.surfaces().iter().find(|s| s.domain().is_none()) {
+            Problem::at(
+                located.span.clone(),
+                format!(
+                    "the surface \"{}\" of {path} is a mesh, on which nothing is estimated: it would be black",
+                    printable(&mesh.name)
+                ),
+            )
+            .help("pictures by paths show meshes: lab render SCENE.toml --paths 64 -o picture.png")
         } else if !counts_all(values) {
             Problem::at(
                 located.span.clone(),
@@ -68,10 +77,22 @@ pub(super) fn camera(
         );
         return None;
     }
+    let reference = located.values.flag("reference") == Some(true);
+    if reference && located.given("paths") {
+        reader.report(
+            Problem::at(
+                located.place("paths"),
+                "the picture that judges is lit by the reference, which has no paths to count",
+            )
+            .help("give one of `paths` and `reference`"),
+        );
+        return None;
+    }
+    let paths = count("paths").filter(|_| !reference);
     Some(FigureKind::Camera {
         width,
         height,
         rays,
-        paths: count("paths"),
+        paths,
     })
 }

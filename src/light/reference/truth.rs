@@ -4,6 +4,7 @@ use super::direct::Lamps;
 use super::path::{Measured, PathTracer};
 use super::radiosity::Radiosity;
 use crate::light::scene::Scene;
+use crate::light::vector::Vector;
 use crate::random;
 use crate::space::{Domain, Evaluation, Field, Grid, Point, Targets};
 use rayon::prelude::*;
@@ -50,13 +51,24 @@ impl Reference {
         let shape = &self.scene.surfaces()[surface].shape;
         let place = shape.place(0, u, v);
         let normal = shape.normal(0, place);
+        let primitive = self.scene.primitive(surface, 0);
+        self.irradiance_in_space((place, normal), primitive, (surface, [u, v]))
+    }
+
+    /// The same at a place in space with the direction in which the surface looks there, on a primitive; coordinates on the surface, which need not tell
+    /// the facets of a mesh apart, only choose the random numbers.
+    pub fn irradiance_in_space(
+        &self,
+        (place, normal): (Vector, Vector),
+        primitive: Option<u32>,
+        (surface, [u, v]): (usize, Point<2>),
+    ) -> [f64; 3] {
         if let Some(solved) = self.solved() {
             return solved.irradiance(place, normal).irradiance;
         }
         let Some(tracer) = PathTracer::new(&self.scene) else {
             return [f64::NAN; 3];
         };
-        let primitive = self.scene.primitive(surface, 0);
         let mut random = random::stream(
             u.to_bits() ^ v.to_bits().rotate_left(32),
             "truth",

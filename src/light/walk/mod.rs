@@ -186,7 +186,8 @@ impl<'s> Walk<'s> {
         if BATCH < blocks {
             // the first batch tells how many there will be
             let factor = (blocks as f64 / BATCH as f64 - 1.0) * 1.02;
-            let bytes = hits.len() as f64 * factor * size_of::<Record>() as f64;
+            // and two batches are alive besides: one that is sorted, one that is traced
+            let bytes = hits.len() as f64 * (factor + 2.0) * size_of::<Record>() as f64;
             memory::check(bytes as u64).map_err(|source| WalkError::Memory {
                 paths: self.paths,
                 source,

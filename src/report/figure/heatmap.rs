@@ -10,7 +10,7 @@ use super::pixels::encoded;
 use super::scale::{Scale, Ticks};
 use super::style::{self, Stroke};
 use super::{Axis, Svg};
-use crate::report::text::{BOLDER, fit};
+use crate::report::text::{BOLDER, fit, width};
 use plotters::style::RGBColor;
 
 /// One map.
@@ -18,6 +18,8 @@ use plotters::style::RGBColor;
 pub struct Map {
     /// What it shows.
     pub title: String,
+    /// A number that stands behind the title and stays whole where that is shortened; may be empty.
+    pub value: String,
     /// A value for each cell, the second axis fastest; what is not a number is left white.
     pub values: Vec<f64>,
 }
@@ -227,11 +229,14 @@ impl HeatMaps {
         } else {
             outlined(&self.pieces, canvas, &panel);
         }
-        let name = fit(
-            &map.title,
-            BOLDER * style::LABEL,
-            layout.size.0 + layout.gap - 8.0,
-        );
+        let size = BOLDER * style::LABEL;
+        let room = layout.size.0 + layout.gap - 8.0;
+        let name = if map.value.is_empty() {
+            fit(&map.title, size, room)
+        } else {
+            let value = format!(": {}", map.value);
+            fit(&map.title, size, room - width(&value, size)) + &value
+        };
         canvas.text(
             (corner.0, corner.1 - 9.0),
             &name,
@@ -385,6 +390,7 @@ mod tests {
             maps: vec![
                 Map {
                     title: "one".to_owned(),
+                    value: String::new(),
                     values,
                 },
                 Map::default(),

@@ -152,7 +152,7 @@ pub enum Role {
     Estimate(usize),
     /// A step function: `x` holds the k + 1 edges of k cells, `y` the k heights.
     Steps(usize),
-    /// A mean with a band of one standard deviation on each side of it.
+    /// A curve with a band around it: in small panels a mean with one standard deviation on each side.
     Band {
         /// Number of the estimate.
         colour: usize,

@@ -35,9 +35,18 @@ pub(super) fn seen(
     }
     let several = walks.len() > 1;
     let mut drawn = Vec::new();
-    for (_, values, group, room) in walks {
-        let of = several.then_some(group);
-        drawn.extend(walk(material, figure, (values, group, room), of)?);
+    for (path, values, group, room) in walks {
+        let mut pictures = walk(material, figure, (values, group, room))?;
+        if several {
+            // a walk is of no surface: its scene names it, and numbers tell apart what is walked in one scene
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            let number = drawn.len() / 2 + 1;
+            for picture in &mut pictures {
+                picture.title = format!("{} — {name} ({number})", picture.title);
+                picture.slug = format!("{}-{number}", picture.slug);
+            }
+        }
+        drawn.extend(pictures);
     }
     Ok(drawn)
 }
@@ -46,7 +55,6 @@ fn walk(
     material: &Material<'_, 2>,
     figure: &Figure,
     (values, group, room): (&Values, &Group<2>, &Arc<Reference>),
-    of: Option<&Group<2>>,
 ) -> Result<Vec<Picture>, RunError> {
     let told = |error: &dyn std::error::Error| RunError::Input(error.to_string());
     let scene = room.scene();
@@ -93,30 +101,35 @@ fn walk(
         .map_err(|error| told(&error))?;
     let setting = material.bench.setting(group.source, group.size);
     let mut shown = Vec::new();
-    let mut missing = String::new();
+    let mut remarks = String::new();
     for (number, outcome) in chosen(figure, group) {
         let begin = Instant::now();
         let estimator = &*setting.estimators[number];
         let sample = |surface| hits.sample(scene, surface)?.ok();
         match Estimated::fit(estimator, scene.surfaces().len(), sample) {
-            Ok(estimated) => shown.push(Shown {
-                name: outcome.name.clone(),
-                image: shot.lit_by(&estimated),
-                seconds: begin.elapsed().as_secs_f64(),
-            }),
+            Ok(estimated) => {
+                for warning in estimated.warnings() {
+                    let _ = write!(remarks, " “{}”: {}.", outcome.name, warning.what);
+                }
+                shown.push(Shown {
+                    name: outcome.name.clone(),
+                    image: shot.lit_by(&estimated),
+                    seconds: begin.elapsed().as_secs_f64(),
+                });
+            }
             // a small surface may have too few hits for it: the others are worth showing
             Err(error) => {
-                let _ = write!(missing, " “{}” is not shown: {error}.", outcome.name);
+                let _ = write!(remarks, " “{}” is not shown: {error}.", outcome.name);
             }
         }
     }
     let compared = compare(&truth, &shown);
-    let mut pictures = picture(figure, of, compared.pictures);
-    let mut wrong = picture(figure, of, compared.errors);
+    let mut pictures = picture::<2>(figure, None, compared.pictures);
+    let mut wrong = picture::<2>(figure, None, compared.errors);
     wrong.title = format!("{}: what is wrong", pictures.title);
     wrong.slug = format!("{}-errors", pictures.slug);
     wrong.caption = format!(
-        "Luminance less that of the picture {}, in per cent of its average: blue is too dark, red too bright, what is beyond ±{:.0} % has the last colour; lamps are left out. Beside each name stands the root of the mean square.{missing}",
+        "Luminance less that of the picture {}, in per cent of its average: blue is too dark, red too bright, what is beyond ±{} % has the last colour; lamps are left out. Beside each name stands the root of the mean square.{remarks}",
         if paths.is_some() {
             "by paths"
         } else {
@@ -125,7 +138,7 @@ fn walk(
         compared.limit,
     );
     pictures.caption = format!(
-        "{}{}{} photons, and each estimator lights the picture by their hits on every surface. The first picture, {}, knows nothing of them.{missing}",
+        "{}{}{} photons, and each estimator lights the picture by their hits on every surface. The first picture, {}, knows nothing of them.{remarks}",
         figure.caption,
         if figure.caption.is_empty() { "" } else { " " },
         group.draws,

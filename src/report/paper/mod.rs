@@ -1,7 +1,7 @@
 //! A finished run on paper: its tables, figures, report page and manifest, written into the run's folder.
 //!
-//! Figures and page are drawn from results alone; nothing is simulated here. The only estimates computed are those of the first
-//! sample, which is drawn again from its own random stream.
+//! Figures and page are drawn from results, and no replicate is simulated here. The estimates computed are those of the first sample, which is
+//! drawn again from its own random stream; where a scene is seen through its camera, from all of that sample's walk, beside a picture by paths.
 
 mod camera;
 mod comparison;

@@ -138,6 +138,7 @@ fn maps(
     let map = |title: String, values: Vec<f64>| Map {
         title,
         values: masked(group, values),
+        ..Map::default()
     };
     if let Some(truth) = group.truth.as_ref().filter(|_| wants("truth")) {
         densities.push(map("truth".to_owned(), truth.clone()));

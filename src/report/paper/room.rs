@@ -83,6 +83,7 @@ impl Sheet {
                 .iter()
                 .map(|shown| value(shown).unwrap_or(f64::NAN))
                 .collect(),
+            ..Map::default()
         }
     }
 
@@ -122,6 +123,7 @@ impl Sheet {
         Map {
             title: title.to_owned(),
             values,
+            ..Map::default()
         }
     }
 
