@@ -29,6 +29,8 @@ pub enum Measure {
     Smoothing,
     /// MISE over that of the best of its family: with the bandwidth, width, k or number of terms of least exact MISE over the whole line or plane.
     OverBest,
+    /// MISE over that of the best Gaussian kernel estimate of one bandwidth, reflected at walls: the same rung for all estimators.
+    OverKernel,
     /// MISE over that of a kernel estimate with the best bandwidth at each place, which no estimate of one bandwidth can reach.
     OverLocalBest,
     /// ∫f̂ of points spread evenly between walls, over their mass: see [`super::character`].
@@ -47,7 +49,7 @@ pub enum Measure {
 
 impl Measure {
     /// All measures.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Mise,
         Self::Miae,
         Self::Mire,
@@ -58,6 +60,7 @@ impl Measure {
         Self::Modes,
         Self::Smoothing,
         Self::OverBest,
+        Self::OverKernel,
         Self::OverLocalBest,
         Self::Mass,
         Self::Wall,
@@ -80,6 +83,7 @@ impl Measure {
             Self::Modes => "modes",
             Self::Smoothing => "smoothing",
             Self::OverBest => "over-best",
+            Self::OverKernel => "over-kernel",
             Self::OverLocalBest => "over-local-best",
             Self::Mass => "mass",
             Self::Wall => "wall",

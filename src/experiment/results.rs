@@ -1,5 +1,6 @@
 //! What a finished run found out: the records of its cells, gathered into measures with intervals and set beside exact values.
 
+use super::catalogue::{Builds, Entry};
 use super::character::character;
 use super::judge::short;
 use super::ladder::{self, Ladder};
@@ -207,6 +208,7 @@ impl Outcome {
             Measure::Modes => Some(r.modes as f64),
             Measure::Smoothing => r.smoothing,
             Measure::OverBest => Some(r.errors?.ise / self.ladder.best?),
+            Measure::OverKernel => Some(r.errors?.ise / self.ladder.kernel?),
             Measure::OverLocalBest => Some(r.errors?.ise / self.ladder.local?),
             _ => None,
         };
@@ -254,7 +256,10 @@ impl Outcome {
 
 impl<const D: usize> Results<D> {
     /// Gathers the records of a finished run. Exact values are computed here, on the same grid.
-    pub fn gather(bench: &Bench<D>, finished: Finished) -> Self {
+    pub fn gather(bench: &Bench<D>, finished: Finished) -> Self
+    where
+        Entry: Builds<D>,
+    {
         let experiment = bench.experiment();
         let mut records: BTreeMap<(usize, usize, usize), Vec<Record>> = BTreeMap::new();
         for (

@@ -5,6 +5,7 @@ mod bad_experiments;
 mod bad_inputs;
 mod estimate;
 mod figures;
+mod ladder;
 mod light;
 mod list;
 mod oracle;

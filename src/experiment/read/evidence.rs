@@ -104,6 +104,7 @@ fn widest(
         | Measure::Bias
         | Measure::Smoothing
         | Measure::OverBest
+        | Measure::OverKernel
         | Measure::OverLocalBest => (None, ""),
     }
 }

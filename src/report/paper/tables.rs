@@ -106,6 +106,7 @@ fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
         measured("MISE", Measure::Mise),
         measured("exact", Measure::ExactMise),
         measured("over best", Measure::OverBest),
+        measured("over kernel", Measure::OverKernel),
         measured("over local best", Measure::OverLocalBest),
         measured("MIAE", Measure::Miae),
         measured("MIRE", Measure::Mire),
@@ -115,6 +116,7 @@ fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
     // no column stays empty
     for (heading, measure) in [
         ("over best", Measure::OverBest),
+        ("over kernel", Measure::OverKernel),
         ("over local best", Measure::OverLocalBest),
     ] {
         let known = |outcome: &Outcome| outcome.measures.contains_key(&measure);
@@ -125,7 +127,7 @@ fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
     table(
         format!("Errors: {name}"),
         "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. Over best: the \
-         MISE relative to that of the best bandwidth, width or number of terms of the same kind by theory, over the whole line; over local best: to that of the best bandwidth at \
+         MISE relative to that of the best bandwidth, width or number of terms of the same kind by theory, over the whole line, or over the grid where kernels know walls; over kernel: to that of the best Gaussian kernel estimate, reflected at walls; over local best: to that of the best bandwidth at \
          each place. MIRE where the truth is at least 1 % of its peak. Energy: the integral of the estimate over the grid relative to the truth's.",
         group,
         &columns,
