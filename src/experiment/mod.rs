@@ -16,6 +16,7 @@ mod figure;
 pub mod judge;
 mod ladder;
 pub mod manifest;
+mod measure;
 pub mod program;
 pub mod read;
 pub mod region;
@@ -28,9 +29,10 @@ mod summary;
 pub mod table;
 pub mod uncertainty;
 
-pub use claim::{Claim, Elsewhere, Measure, Statement};
+pub use claim::{Claim, Elsewhere, Statement};
 pub use figure::{Figure, FigureKind};
 pub use ladder::Ladder;
+pub use measure::Measure;
 pub use summary::summary;
 
 use crate::density;

@@ -7,7 +7,7 @@ use super::run::Bench;
 use crate::kernel::Shape;
 use crate::numeric::Sum;
 use crate::space::Point;
-use crate::theory::{Convention, Family, Local};
+use crate::theory::{Family, Local};
 use rayon::prelude::*;
 use search::{Likes, Places};
 
@@ -33,6 +33,7 @@ where
 {
     let setting = bench.setting(source, size);
     let places = (bench.independent(source))
+        // in the plane moments between walls are dear: minutes for a kernel
         .filter(|_| D == 1)
         .and_then(|truth| Places::new(truth, setting));
     let walls = bench.independent(source).is_some_and(|truth| {
@@ -48,9 +49,9 @@ where
         .iter()
         .zip(&bench.experiment().estimators)
     {
-        // what is laid beyond walls of a line is no part of an experiment's errors, but of those over the whole line
+        // what is laid beyond walls is no part of an experiment's errors, but of those over the whole line or plane
         let beyond =
-            |family: &Family| walls && places.is_some() && !matches!(family, Family::Series { .. });
+            |family: &Family| walls && !(D == 1 && matches!(family, Family::Series { .. }));
         let family = estimator.family();
         let known_theory = |family: &Family| family.is_of_estimates() && !beyond(family);
         if let Some(family) = family.filter(known_theory) {
@@ -62,11 +63,11 @@ where
             continue;
         }
         // a pilot that is smoothed without noise has moments, but not those of estimates
-        // and those of the mean radius of two neighbours cost a second for each k
-        let cheap = |family: Family| {
-            family.is_of_estimates() && !matches!(family, Family::Neighbour(Convention::MeanRadius))
-        };
-        let likes = Likes::of(spec).filter(|_| family.is_none_or(cheap));
+        let likes = Likes::of(spec).filter(|likes| match family {
+            Some(family) => family.is_of_estimates(),
+            // those of the mean radius of two neighbours cost a second for each k
+            None => !likes.counts,
+        });
         let Some((likes, places)) = likes.zip(places.as_ref()) else {
             ladders.push(Ladder {
                 kernel,

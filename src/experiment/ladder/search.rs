@@ -18,7 +18,7 @@ pub(super) struct Likes {
     kind: String,
     /// What decides how smooth they are, and whether it is a count.
     smoothing: &'static str,
-    counts: bool,
+    pub counts: bool,
     /// The rest.
     values: Values,
 }
