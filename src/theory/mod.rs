@@ -58,8 +58,8 @@ pub use neighbour::{Convention, NeighbourError, best_neighbours, neighbour_momen
 pub use optimum::{Optimum, Oracle};
 pub use patch::Support;
 pub use plane::{
-    PlaneAdaptiveError, PlaneHistogramError, PlaneKernelError, PlaneWidths, kernel_oracle,
-    plane_adaptive_moments, plane_equivalent_moments, plane_histogram_moments,
+    PlaneAdaptiveError, PlaneHistogramError, PlaneKernelError, PlaneWidths, ReflectedError,
+    kernel_oracle, plane_adaptive_moments, plane_equivalent_moments, plane_histogram_moments,
     plane_kernel_moments,
 };
 pub use pointwise::{equivalent_moments, kernel_cuts, kernel_moments};

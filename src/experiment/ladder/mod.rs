@@ -7,7 +7,7 @@ use super::run::Bench;
 use crate::kernel::Shape;
 use crate::numeric::Sum;
 use crate::space::Point;
-use crate::theory::{Family, Local};
+use crate::theory::{Family, Local, ReflectedError};
 use rayon::prelude::*;
 use search::{Likes, Places};
 
@@ -106,6 +106,12 @@ where
     Entry: Builds<D>,
 {
     let truth = bench.independent(source)?;
+    let draws = bench.setting(source, size).draws as f64;
+    if walls && D > 1 {
+        let plane = truth.bivariate()?;
+        let (_, errors) = ReflectedError::new(plane)?.optimum(draws)?;
+        return held(errors.mise());
+    }
     if walls {
         return places?.least(&Likes::reflected()?);
     }
@@ -115,7 +121,6 @@ where
     if D > 1 && !mixture {
         return None;
     }
-    let draws = bench.setting(source, size).draws as f64;
     let best = Family::Kernel(Shape::Gaussian).optimum_of(&**truth, draws)?;
     held(best.error.mise())
 }
