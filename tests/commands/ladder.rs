@@ -70,11 +70,11 @@ fn between_walls_nothing_is_better_than_the_best() {
         let ratio = best(name, "over-best") / best(name, "over-kernel");
         assert!((ratio - 1.0).abs() < 1e-9, "{name}: {ratio}");
     }
-    // theory says nothing of the last kernel, and is dear for mean radii
-    for name in ["e4", "e6"] {
+    // theory says nothing of the last kernel, is dear for mean radii, and bins have many lows
+    for name in ["e4", "e5", "e6"] {
         assert!(!found[name].contains_key("over-best"), "{name}");
     }
-    for name in ["e3", "e5", "e7"] {
+    for name in ["e3", "e7"] {
         assert!(found[name].contains_key("over-best"), "{name}");
     }
 }

@@ -7,7 +7,7 @@ use super::run::Bench;
 use crate::kernel::Shape;
 use crate::numeric::Sum;
 use crate::space::Point;
-use crate::theory::{Family, Local, ReflectedError};
+use crate::theory::{Family, Local, ReflectedError, System};
 use rayon::prelude::*;
 use search::{Likes, Places};
 
@@ -50,8 +50,7 @@ where
         .zip(&bench.experiment().estimators)
     {
         // what is laid beyond walls is no part of an experiment's errors, but of those over the whole line or plane
-        let beyond =
-            |family: &Family| walls && !(D == 1 && matches!(family, Family::Series { .. }));
+        let beyond = |family: &Family| walls && !(D == 1 && within(family, places.as_ref()));
         let family = estimator.family();
         let known_theory = |family: &Family| family.is_of_estimates() && !beyond(family);
         if let Some(family) = family.filter(known_theory) {
@@ -62,11 +61,13 @@ where
             ladders.push(Ladder { kernel, ..ladder });
             continue;
         }
-        // a pilot that is smoothed without noise has moments, but not those of estimates
+        // A pilot that is smoothed without noise has moments, but not those of estimates. Those of the mean radius of two neighbours cost a second for each
+        // k, and the errors of bins have a low wherever an edge meets a wall, between which no search may stop.
         let likes = Likes::of(spec).filter(|likes| match family {
-            Some(family) => family.is_of_estimates(),
-            // those of the mean radius of two neighbours cost a second for each k
-            None => !likes.counts,
+            Some(Family::Kernel(_) | Family::RadialKernel(_) | Family::Neighbour(_)) => true,
+            Some(family @ Family::Adaptive { .. }) => family.is_of_estimates(),
+            Some(_) => false,
+            None => likes.is_kernel(),
         });
         let Some((likes, places)) = likes.zip(places.as_ref()) else {
             ladders.push(Ladder {
@@ -88,6 +89,22 @@ where
         ladders.push(ladder);
     }
     ladders
+}
+
+/// Whether a family lays nothing beyond the walls of a line: series on an interval between them.
+fn within<const D: usize>(family: &Family, places: Option<&Places<'_, D>>) -> bool
+where
+    Entry: Builds<D>,
+{
+    let Family::Series { system, place, .. } = family else {
+        return false;
+    };
+    let Some([low, high]) = places.map(Places::walls) else {
+        return false;
+    };
+    *system != System::Hermite
+        && place[0].is_none_or(|end| end >= low)
+        && place[1].is_none_or(|end| end <= high)
 }
 
 fn held(error: f64) -> Option<f64> {

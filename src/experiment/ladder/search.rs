@@ -18,7 +18,7 @@ pub(super) struct Likes {
     kind: String,
     /// What decides how smooth they are, and whether it is a count.
     smoothing: &'static str,
-    pub counts: bool,
+    counts: bool,
     /// The rest.
     values: Values,
 }
@@ -55,6 +55,11 @@ impl Likes {
         let mut values = Values::defaults(entry.parameters);
         values.set("boundary", Value::Word("reflect".to_owned()));
         Self::new("kernel", &values)
+    }
+
+    /// Whether they are kernel estimates, whatever they do at walls.
+    pub fn is_kernel(&self) -> bool {
+        self.kind == "kernel"
     }
 
     fn member(&self, smoothing: f64) -> Values {
@@ -114,6 +119,12 @@ where
             values,
             range: [1e-3 * extent, extent],
         })
+    }
+
+    /// The ends of the first axis of the domain.
+    pub fn walls(&self) -> [f64; 2] {
+        let domain = self.truth.domain();
+        [domain.low()[0], domain.high()[0]]
     }
 
     /// The least MISE over the places of all that are like each other; `None` where there are no moments, or none is better than the narrowest and the widest.
