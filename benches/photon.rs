@@ -1,21 +1,22 @@
 //! Rays and photons per second: the empty box, the box with blocks, a mesh of 14 000 triangles; what a second thread gains; hits per second into estimates.
 #![allow(missing_docs)]
 
+#[path = "../tests/support/knobbly.rs"]
+mod knobbly;
+
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use density_lab::estimator::Context;
 use density_lab::experiment::read::estimator_in;
-use density_lab::light::material::{Lambertian, Material, cosine_direction};
-use density_lab::light::scene::{Mesh, Scene, Shape, Surface, read};
-use density_lab::light::spectrum::{Colour, Spectrum};
-use density_lab::light::vector::{Ray, Vector};
+use density_lab::light::material::cosine_direction;
+use density_lab::light::scene::{Scene, Surface, read};
+use density_lab::light::spectrum::Colour;
+use density_lab::light::vector::Ray;
 use density_lab::light::walk::{BLOCK, Power, Walk};
 use density_lab::random::stream;
 use density_lab::space::{Field, Grid};
 use rand::RngExt;
 use rayon::ThreadPoolBuilder;
-use std::f64::consts::{PI, TAU};
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 fn shipped(name: &str) -> Scene {
@@ -23,44 +24,11 @@ fn shipped(name: &str) -> Scene {
     read::scene(&folder.join(name)).expect("a shipped scene")
 }
 
-/// The box with a knobbly ball of 2 × 84 × 84 triangles instead of blocks.
+/// The box with a knobbly ball instead of blocks.
 fn mesh() -> Scene {
-    const STEPS: u32 = 84;
-    let corner = |i: u32, j: u32| {
-        let theta = PI * f64::from(i) / f64::from(STEPS);
-        let phi = TAU * f64::from(j % STEPS) / f64::from(STEPS);
-        let radius = 0.5 + 0.05 * (7.0 * theta).sin() * (9.0 * phi).cos();
-        let direction = Vector::new(
-            theta.sin() * phi.cos(),
-            theta.cos(),
-            theta.sin() * phi.sin(),
-        );
-        direction * radius - Vector::new(0.0, 0.3, 0.0)
-    };
-    let mut triangles = Vec::new();
-    for i in 0..STEPS {
-        for j in 0..STEPS {
-            let [a, b, c, d] =
-                [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| corner(i, j));
-            // at the poles one of the two has no area
-            if i > 0 {
-                triangles.push([a, b, c]);
-            }
-            if i + 1 < STEPS {
-                triangles.push([a, c, d]);
-            }
-        }
-    }
     let empty = shipped("cornell-box-rgb-empty.toml");
     let mut surfaces = empty.surfaces().to_vec();
-    surfaces.push(Surface {
-        name: "ball".to_owned(),
-        shape: Shape::Mesh(Mesh::new(&triangles).expect("a mesh")),
-        material: Arc::new(Material::Lambertian(Lambertian {
-            reflectance: Spectrum::Flat(0.7),
-        })),
-        emission: None,
-    });
+    surfaces.push(knobbly::ball());
     Scene::new(surfaces, Colour::Rgb, false).expect("a scene")
 }
 

@@ -1,17 +1,18 @@
 //! Casters against another program: the shapes and ray casts of the parry3d crate, over shipped scenes and a mesh of 14 000 triangles.
 #![allow(clippy::unwrap_used)]
 
-use density_lab::light::material::{Lambertian, Material};
-use density_lab::light::scene::{Mesh, Scene, Shape, Surface, read};
-use density_lab::light::spectrum::{Colour, Spectrum};
+#[path = "support/knobbly.rs"]
+mod knobbly;
+
+use density_lab::light::scene::{Scene, Shape, read};
+use density_lab::light::spectrum::Colour;
 use density_lab::light::vector::{Ray, Vector};
 use density_lab::random::stream;
+use knobbly::ball;
 use parry3d_f64::query::{Ray as TheirRay, RayCast};
 use parry3d_f64::shape::{Ball, TriMesh};
 use rand::RngExt;
-use std::f64::consts::{PI, TAU};
 use std::path::Path;
-use std::sync::Arc;
 
 type Theirs = parry3d_f64::math::Vector;
 
@@ -91,41 +92,10 @@ fn shipped(name: &str) -> Scene {
     read::scene(&folder.join(name)).unwrap()
 }
 
-/// The box in three colours with a knobbly ball of 14 000 triangles.
+/// The box in three colours with a knobbly ball in it.
 fn knobbly() -> Scene {
-    const STEPS: u32 = 84;
-    let corner = |i: u32, j: u32| {
-        let theta = PI * f64::from(i) / f64::from(STEPS);
-        let phi = TAU * f64::from(j % STEPS) / f64::from(STEPS);
-        let radius = 0.05f64.mul_add((7.0 * theta).sin() * (9.0 * phi).cos(), 0.5);
-        let [x, y, z] = [
-            theta.sin() * phi.cos(),
-            theta.cos(),
-            theta.sin() * phi.sin(),
-        ];
-        Vector::new(x, y, z) * radius
-    };
-    let mut triangles = Vec::new();
-    for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
-        let [a, b, c, d] =
-            [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| corner(i, j));
-        // at the poles one of the two has no area
-        if i > 0 {
-            triangles.push([a, b, c]);
-        }
-        if i + 1 < STEPS {
-            triangles.push([a, c, d]);
-        }
-    }
     let mut surfaces = shipped("cornell-box-rgb-empty.toml").surfaces().to_vec();
-    surfaces.push(Surface {
-        name: "ball".to_owned(),
-        shape: Shape::Mesh(Mesh::new(&triangles).unwrap()),
-        material: Arc::new(Material::Lambertian(Lambertian {
-            reflectance: Spectrum::Flat(0.7),
-        })),
-        emission: None,
-    });
+    surfaces.push(ball());
     Scene::new(surfaces, Colour::Rgb, false).unwrap()
 }
 

@@ -280,6 +280,7 @@ impl<const D: usize> Results<D> {
         let compared = compares(experiment);
         let mut groups = Vec::new();
         for (source, spec) in experiment.sources.iter().enumerate() {
+            let ladders = ladder::climb(bench, source);
             for (size, setting) in bench.settings(source).iter().enumerate() {
                 let mut group = Group {
                     source,
@@ -296,8 +297,7 @@ impl<const D: usize> Results<D> {
                     .into_par_iter()
                     .map(|e| exact(bench, source, size, e))
                     .collect();
-                let ladders = ladder::climb(bench, source, size);
-                for (e, known) in exact.into_iter().zip(ladders).enumerate() {
+                for (e, known) in exact.into_iter().zip(ladders[size].clone()).enumerate() {
                     let blocks = records.remove(&(source, size, e)).unwrap_or_default();
                     let mut outcome = gather_one(experiment, e, blocks, known, &group);
                     if compared {

@@ -305,9 +305,25 @@ pub(super) fn fit(text: &str, size: f64, limit: f64) -> String {
     format!("{}…", kept.trim_end())
 }
 
+/// `text` and a `value` behind it, together at most `limit` wide: the value stays whole, and the text is shortened for it.
+pub(super) fn fit_with(text: &str, value: &str, size: f64, limit: f64) -> String {
+    fit(text, size, limit - width(value, size)) + value
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_value_stays_whole_behind_a_name_that_is_shortened() {
+        let long = fit_with("a kernel of a very long name", ", −0.647", 10.0, 120.0);
+        assert!(
+            long.ends_with("…, −0.647") && long.starts_with("a kernel"),
+            "{long}"
+        );
+        assert!(width(&long, 10.0) <= 120.0 && width(&long, 10.0) > 100.0);
+        assert_eq!(fit_with("short", ": 2 %", 10.0, 120.0), "short: 2 %");
+    }
 
     #[test]
     fn escapes_what_markup_would_read() {

@@ -129,3 +129,24 @@ fn cameras_that_show_nothing_are_refused() {
         .ends_with(2)
         .says("photons in a scene");
 }
+
+/// In a white furnace every pixel is as bright as every other: with one bin a wall and two million photons a picture is right to a fifth of a per cent, and half a per cent more or
+/// less of the light that walls return would be seen.
+#[test]
+fn a_camera_in_a_furnace_sees_it_as_bright_as_it_is() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes");
+    let furnace = std::fs::read_to_string(folder.join("furnace.toml")).expect("a shipped scene");
+    let camera = "[camera]\nposition = [0.5, 0.5, 0.9]\ndirection = [0.1, 0.2, -1.0]\nup = [0.0, 1.0, 0.0]\nfield-of-view = 80.0\n";
+    let text = "question = \"?\"\nseed = 3\nsource = { scene = \"room.toml\", surface = \"floor\" }\ndraws = 2000000\nreplicates = 2\n[[estimator]]\nname = \"walls\"\nhistogram = { width = 1.0 }\n[[figure]]\ntitle = \"Room\"\ncamera = { width = 16, height = 16, rays = 1, reference = true }\n";
+    let bench = Bench::new()
+        .with("room.toml", format!("{furnace}\n{camera}"))
+        .with("x.toml", text);
+    bench
+        .run(&["run", "x.toml", "--out", "o", "--quiet"])
+        .succeeds();
+    let wrong = bench.text("o/figures/02-room-errors.svg");
+    let (_, rest) = wrong.split_once(">walls: ").expect("its title over a map");
+    let (number, _) = rest.split_once(" %").expect("per cent");
+    let error: f64 = number.parse().expect("a number");
+    assert!(error < 0.2, "{error}");
+}

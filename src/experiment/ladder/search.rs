@@ -121,12 +121,6 @@ where
         })
     }
 
-    /// The ends of the first axis of the domain.
-    pub fn walls(&self) -> [f64; 2] {
-        let domain = self.truth.domain();
-        [domain.low()[0], domain.high()[0]]
-    }
-
     /// The least MISE over the places of all that are like each other; `None` where there are no moments, or none is better than the narrowest and the widest.
     pub fn least(&self, likes: &Likes) -> Option<f64> {
         let few = self.all.len().div_ceil(FEW).max(1);

@@ -227,6 +227,34 @@ impl Given for MeanAlbedo {
     }
 }
 
+/// Hits are sorted while others are traced, batch after batch: none is lost, doubled or out of order, and no light either.
+#[test]
+fn a_walk_is_its_blocks_one_after_the_other() {
+    let scene = shipped("cornell-box-rgb.toml");
+    for paths in [
+        BLOCK,
+        BATCH * BLOCK,
+        2 * BATCH * BLOCK + 1,
+        3 * BATCH * BLOCK + 5,
+    ] {
+        let walk = Walk::new(&scene, Power::Same, paths, 11).expect("a walk");
+        let (found, ledger) = walk.run().expect("hits");
+        let mut hits = Hits::new(scene.surfaces().len(), paths);
+        let mut expected = Ledger::default();
+        for block in 0..walk.blocks() {
+            let trace = walk.trace(block);
+            hits.extend(&trace.records);
+            hits.lose(&trace.astray);
+            expected.add(&trace.ledger);
+        }
+        assert_eq!(ledger, expected);
+        assert_eq!(found.astray(), hits.astray());
+        for surface in 0..scene.surfaces().len() {
+            assert!(found.on(surface) == hits.on(surface), "{paths} {surface}");
+        }
+    }
+}
+
 #[test]
 fn colours_are_those_of_three_walks_of_one_colour() {
     let blocks = 12;

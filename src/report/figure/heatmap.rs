@@ -10,7 +10,7 @@ use super::pixels::encoded;
 use super::scale::{Scale, Ticks};
 use super::style::{self, Stroke};
 use super::{Axis, Svg};
-use crate::report::text::{BOLDER, fit, width};
+use crate::report::text::{BOLDER, fit, fit_with};
 use plotters::style::RGBColor;
 
 /// One map.
@@ -234,8 +234,7 @@ impl HeatMaps {
         let name = if map.value.is_empty() {
             fit(&map.title, size, room)
         } else {
-            let value = format!(": {}", map.value);
-            fit(&map.title, size, room - width(&value, size)) + &value
+            fit_with(&map.title, &format!(": {}", map.value), size, room)
         };
         canvas.text(
             (corner.0, corner.1 - 9.0),

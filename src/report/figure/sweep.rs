@@ -7,7 +7,7 @@ use super::panel::{Frame, overhang, room_left};
 use super::scale::Scale;
 use super::style::{self, Stroke};
 use super::{Axis, Marker, Svg};
-use crate::report::text::{fit, width};
+use crate::report::text::{fit_with, width};
 use plotters::style::RGBColor;
 
 /// Which part of the error a trace is; picks its colour.
@@ -133,9 +133,8 @@ impl Sweep {
 
     /// The name of a trace with a value that stays readable where the name is too long.
     pub fn name_with(name: &str, value: &str) -> String {
-        let value = format!(", {value}");
-        let room = LABELS - LEADER - width(&value, style::LABEL);
-        fit(name, style::LABEL, room) + &value
+        let room = LABELS - LEADER;
+        fit_with(name, &format!(", {value}"), style::LABEL, room)
     }
 
     /// The figure and where its frame lies.

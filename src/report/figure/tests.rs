@@ -342,6 +342,40 @@ fn figures(x: (f64, f64), y: f64, name: &str, logarithmic: bool) -> Vec<(&'stati
     ]
 }
 
+/// A band in a panel that a title names is explained once; without bands nothing is.
+#[test]
+fn legends_of_panels_say_what_bands_are() {
+    let drawn = |role| {
+        let series = Series {
+            name: "kernel".to_owned(),
+            x: vec![0.0, 1.0],
+            y: vec![1.0, 2.0],
+            role,
+        };
+        let panel = Small {
+            title: "kernel".to_owned(),
+            series: vec![series],
+        };
+        let panels = vec![panel.clone(), panel];
+        let multiples = Multiples {
+            columns: 2,
+            panels,
+            ..Multiples::default()
+        };
+        multiples
+            .draw()
+            .as_str()
+            .matches("one standard deviation")
+            .count()
+    };
+    let band = Role::Band {
+        colour: 0,
+        low: vec![0.5, 1.5],
+        high: vec![1.5, 2.5],
+    };
+    assert_eq!([drawn(band), drawn(Role::Estimate(0))], [1, 0]);
+}
+
 #[test]
 fn labels_keep_clear_of_each_other_over_all_ranges() {
     let long = "an estimator with a name as long as users give them, h = 0.25, kernel = epanechnikov, boundary = reflect";

@@ -5,7 +5,7 @@
 
 use crate::density::Bivariate;
 use crate::numeric::{Sum, forward_transform, local_minima};
-use crate::theory::Integrated;
+use crate::theory::{Integrated, Optimum};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -102,16 +102,20 @@ impl ReflectedError {
         }
     }
 
-    /// The bandwidth of least MISE and the errors there; `None` where the widest is the best, as for an even density, or a narrower one than is resolved.
-    pub fn optimum(&self, draws: f64) -> Option<(f64, Integrated)> {
+    /// The bandwidth of least MISE; `None` where the widest is the best, as for an even density, or a narrower one than is resolved.
+    pub fn optimum(&self, draws: f64) -> Option<Optimum> {
         let [least, most] = [f64::min, f64::max].map(|pick| pick(self.sides[0], self.sides[1]));
         if NARROWEST * most >= least {
             return None;
         }
         let mise = |h: f64| self.at(h, draws).mise();
         let found = local_minima(mise, NARROWEST * most, least, STEPS);
-        let best = found.first()?;
-        Some((best.at, self.at(best.at, draws)))
+        let (best, others) = found.split_first()?;
+        Some(Optimum {
+            at: best.at,
+            error: self.at(best.at, draws),
+            others: others.to_vec(),
+        })
     }
 }
 
