@@ -118,6 +118,10 @@ impl Density<1> for Beta {
         )
     }
 
+    fn level(&self) -> Option<f64> {
+        ((self.a - 1.0).abs() < f64::EPSILON && (self.b - 1.0).abs() < f64::EPSILON).then_some(1.0)
+    }
+
     fn univariate(&self) -> Option<&dyn Univariate> {
         Some(self)
     }

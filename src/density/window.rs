@@ -92,6 +92,10 @@ impl Density<1> for Window {
         Some((&*self.whole, 1.0 / self.mass))
     }
 
+    fn level(&self) -> Option<f64> {
+        Some(self.whole.level()? / self.mass)
+    }
+
     fn univariate(&self) -> Option<&dyn Univariate> {
         Some(self)
     }

@@ -24,12 +24,12 @@ pub enum Measure {
     Modes,
     /// The bandwidth or width used.
     Smoothing,
-    /// MISE over that of the best of its family: with the bandwidth, width, k or number of terms of least exact MISE over the whole line or plane; between walls of a line, over the grid.
+    /// MISE over that of the best of its family: with the bandwidth, width, k or number of terms of least exact MISE over the whole line or plane; between walls of a line and where the grid is cut short, over the grid.
     OverBest,
-    /// MISE over that of the best Gaussian kernel estimate of one bandwidth, reflected at walls: the same rung for all estimators.
+    /// MISE over that of the best Gaussian kernel estimate of one bandwidth, reflected at walls (cut and normalised in a polygon): the same rung for all estimators.
     OverKernel,
-    /// MISE over that of a kernel estimate with the best bandwidth at each place, which no estimate of one bandwidth can reach.
-    OverLocalBest,
+    /// MISE over that of the same kernel with the best bandwidth at each place, which no Gaussian kernel of one bandwidth can reach: the next rung for all.
+    OverLocalKernel,
     /// ∫f̂ of points spread evenly between walls, over their mass: see [`super::character`].
     Mass,
     /// The estimate of these points beside a wall, over the density there.
@@ -58,7 +58,7 @@ impl Measure {
         Self::Smoothing,
         Self::OverBest,
         Self::OverKernel,
-        Self::OverLocalBest,
+        Self::OverLocalKernel,
         Self::Mass,
         Self::Wall,
         Self::Jump,
@@ -81,7 +81,7 @@ impl Measure {
             Self::Smoothing => "smoothing",
             Self::OverBest => "over-best",
             Self::OverKernel => "over-kernel",
-            Self::OverLocalBest => "over-local-best",
+            Self::OverLocalKernel => "over-local-kernel",
             Self::Mass => "mass",
             Self::Wall => "wall",
             Self::Jump => "jump",
@@ -94,6 +94,14 @@ impl Measure {
     /// Whether it is a single number without chance, measured on a probe where a `comparison-table` or a claim asks for it; only on a line.
     pub fn is_probe(self) -> bool {
         matches!(self, Self::Mass | Self::Wall | Self::Jump)
+    }
+
+    /// Whether it is an error over one of [`super::Ladder`].
+    pub fn is_over_ladder(self) -> bool {
+        matches!(
+            self,
+            Self::OverBest | Self::OverKernel | Self::OverLocalKernel
+        )
     }
 
     /// Whether theory gives it, not the replicates.

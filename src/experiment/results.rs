@@ -209,7 +209,7 @@ impl Outcome {
             Measure::Smoothing => r.smoothing,
             Measure::OverBest => Some(r.errors?.ise / self.ladder.best?),
             Measure::OverKernel => Some(r.errors?.ise / self.ladder.kernel?),
-            Measure::OverLocalBest => Some(r.errors?.ise / self.ladder.local?),
+            Measure::OverLocalKernel => Some(r.errors?.ise / self.ladder.local?),
             _ => None,
         };
         self.replicates.iter().map(value).collect()

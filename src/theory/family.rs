@@ -98,25 +98,25 @@ enum SeriesErrors {
     Hermite(SeriesError<Hermite>),
 }
 
+/// The ends of the interval of a series, given or those of the density; `None` if there are none.
+fn ends(truth: &dyn Univariate, [first, second]: [Option<f64>; 2]) -> Option<[f64; 2]> {
+    let domain = truth.domain();
+    let low = first.unwrap_or(domain.low()[0]);
+    let high = second.unwrap_or(domain.high()[0]);
+    ((high - low).is_finite() && low < high).then_some([low, high])
+}
+
 impl SeriesErrors {
     /// `None` where the density gives an interval no ends.
-    fn new(
-        truth: &dyn Univariate,
-        system: System,
-        [first, second]: [Option<f64>; 2],
-    ) -> Option<Self> {
-        let domain = truth.domain();
-        let low = first.unwrap_or(domain.low()[0]);
-        let high = second.unwrap_or(domain.high()[0]);
+    fn new(truth: &dyn Univariate, system: System, place: [Option<f64>; 2]) -> Option<Self> {
         let most = MOST_TERMS;
         if system == System::Hermite {
             let (mean, deviation) = truth.mean_and_deviation();
+            let [first, second] = place;
             let placed = Placed::about(first.unwrap_or(mean), 0.0, second.unwrap_or(deviation));
             return Some(Self::Hermite(SeriesError::new(truth, placed, most)));
         }
-        if !(high - low).is_finite() || low >= high {
-            return None;
-        }
+        let [low, high] = ends(truth, place)?;
         Some(match system {
             System::Cosine => {
                 Self::Cosine(SeriesError::new(truth, Placed::between(low, high), most))
@@ -273,6 +273,27 @@ impl Family {
             }
             _ => return None,
         }))
+    }
+
+    /// Whether [`Family::optimum_of`] knows the errors of its members for a density, at little cost.
+    pub fn has_errors<const D: usize>(self, truth: &dyn Density<D>) -> bool {
+        match (truth.univariate(), self) {
+            (Some(line), Self::Series { system, place, .. }) => {
+                system == System::Hermite || ends(line, place).is_some()
+            }
+            (Some(_), Self::Adaptive { law, .. }) => law.is_held(),
+            (Some(_), Self::SquareHistogram { .. } | Self::Neighbour(Convention::MeanRadius)) => {
+                false
+            }
+            (Some(_), _) => true,
+            (None, Self::Neighbour(convention)) => {
+                convention != Convention::MeanRadius && !truth.domain().wraps()
+            }
+            (None, _) => {
+                let plane = truth.bivariate();
+                plane.is_some_and(|plane| self.errors_in_plane(plane).is_some())
+            }
+        }
     }
 
     /// The member of least MISE over the whole line for samples of `draws` points from `truth`, and all other local minima; `None` as for

@@ -9,7 +9,7 @@
 //! | asymptotic error and its optimum | [`KernelError::asymptotic`], [`HistogramError::asymptotic`] |
 //! | the best bandwidth, width or number of terms | [`KernelError::optimum`], [`HistogramError::optimum`], [`SeriesError::optimum`] |
 //! | the same of all that an estimator is but for its width | [`Family`] |
-//! | the same in the plane | [`PlaneKernelError`], [`PlaneHistogramError`], [`PlaneAdaptiveError`], [`plane_kernel_moments`], [`plane_equivalent_moments`], [`plane_histogram_moments`] |
+//! | the same in the plane | [`PlaneKernelError`], [`PlaneHistogramError`], [`PlaneAdaptiveError`], [`plane_kernel_moments`], [`plane_equivalent_moments`], [`plane_histogram_moments`]; between walls [`WalledKernel`] |
 //! | the best k and its error | [`NeighbourError`] |
 //! | the best smoothing at one place | [`Family::best_at`] |
 //! | asymptotics and optimum together | [`KernelError::oracle`], [`HistogramError::oracle`] |
@@ -58,7 +58,7 @@ pub use neighbour::{Convention, NeighbourError, best_neighbours, neighbour_momen
 pub use optimum::{Optimum, Oracle};
 pub use patch::Support;
 pub use plane::{
-    PlaneAdaptiveError, PlaneHistogramError, PlaneKernelError, PlaneWidths, ReflectedError,
+    PlaneAdaptiveError, PlaneHistogramError, PlaneKernelError, PlaneWidths, WalledKernel,
     kernel_oracle, plane_adaptive_moments, plane_equivalent_moments, plane_histogram_moments,
     plane_kernel_moments,
 };
@@ -72,6 +72,20 @@ pub struct Moments {
     pub mean: f64,
     /// var f̂(x).
     pub variance: f64,
+}
+
+impl Moments {
+    /// Of the product with something independent, as of a kernel of one point on another axis.
+    #[must_use]
+    pub fn times(self, other: Self) -> Self {
+        let square = |m: Self| m.mean.mul_add(m.mean, m.variance);
+        let mean = self.mean * other.mean;
+        Self {
+            mean,
+            // rounding must not make a variance negative where it vanishes
+            variance: (square(self) * square(other) - mean * mean).max(0.0),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -167,3 +167,61 @@ fn bins_of_the_plane_have_a_best_width() {
         "{best:?}"
     );
 }
+
+/// Whether a family has errors is known without making them.
+#[test]
+fn families_have_errors_where_they_say_so() {
+    let series = |system, place| Family::Series {
+        system,
+        place,
+        taper: Taper::None,
+    };
+    let law = WidthLaw {
+        exponent: 0.5,
+        clip: 0.1,
+    };
+    let adaptive = |law| Family::Adaptive {
+        shape: Shape::Gaussian,
+        symmetry: Symmetry::Product,
+        law,
+        pilot: FixedPilot::Truth,
+    };
+    let families = [
+        Family::Kernel(Shape::Gaussian),
+        Family::Kernel(Shape::Epanechnikov),
+        Family::RadialKernel(Shape::Biweight),
+        Family::ShiftedHistogram {
+            shifts: 3,
+            origin: 0.1,
+        },
+        Family::SquareHistogram {
+            origin: [0.1; 2],
+            degrees: 20.0,
+        },
+        Family::FrequencyPolygon { origin: 0.1 },
+        Family::Neighbour(Convention::MeanRadius),
+        adaptive(law),
+        adaptive(WidthLaw { clip: 0.0, ..law }),
+        series(System::Cosine, [None; 2]),
+        series(System::Cosine, [Some(0.0), Some(1.0)]),
+        series(System::Fourier, [Some(0.0), None]),
+        series(System::Hermite, [None; 2]),
+    ];
+    let mut seen = [0; 2];
+    for family in families {
+        for name in ["normal", "uniform", "exponential", "claw"] {
+            let truth = named(name).unwrap();
+            let has = family.has_errors::<1>(&*truth);
+            assert_eq!(has, family.errors(&*truth).is_some(), "{family:?} {name}");
+            seen[usize::from(has)] += 1;
+        }
+        for name in ["normal-2d", "uniform-2d", "triangle", "mix"] {
+            let truth = named_in_plane(name).unwrap();
+            let has = family.has_errors::<2>(&*truth);
+            let made = family.errors_in_plane(&*truth).is_some();
+            assert_eq!(has, made, "{family:?} {name}");
+            seen[usize::from(has)] += 1;
+        }
+    }
+    assert!(seen[0] > 20 && seen[1] > 20, "{seen:?}");
+}

@@ -197,6 +197,16 @@ fn theory_that_is_not_there_is_missed_at_once() {
             &["no theory is known for `normal`"],
         ),
         (
+            r#"over-best = { of = "parametric", equals = 1, within = 0.1 }"#,
+            "\"parametric\"",
+            &["the best of the kind of \"parametric\"", "`over-kernel`"],
+        ),
+        (
+            r#"over-best = { of = "wide", over = "parametric", equals = 1, within = 0.1 }"#,
+            "\"parametric\"",
+            &["the best of the kind of \"parametric\""],
+        ),
+        (
             r#"bias2 = { of = "wide", below = "best" }"#,
             "\"best\"",
             &["sample by sample", "`exact-bias2`"],
@@ -211,6 +221,9 @@ fn theory_that_is_not_there_is_missed_at_once() {
     }
     for claim in [
         r#"exact-mise = { of = "best", below = "wide" }"#,
+        r#"over-best = { of = "rule", equals = 1.1, within = 0.1 }"#,
+        r#"over-kernel = { of = "parametric", below = "best", by = 1.5 }"#,
+        r#"over-local-kernel = { of = "parametric", equals = 1, within = 0.1 }"#,
         r#"exact-mise = { of = "bars, width = 0.5", over = "minimum", equals = 1.1, within = 0.3 }"#,
         r#"mise = { of = ["wide", "best", "bars"], agrees-with = "exact" }"#,
         r#"best = { of = "bars", near = "oracle", within = 0.3 }"#,
@@ -247,4 +260,60 @@ fn another_source_or_size_must_be_one_of_the_experiment_and_simulated() {
     );
     let elsewhere = r#"mise = { of = "wide", below = "wide", other-draws = 100 }"#;
     assert_eq!(told(400, elsewhere), Ok(()));
+}
+
+/// Regrets are over the whole grid, and of independent points.
+#[test]
+fn regrets_are_refused_where_there_is_no_least_error() {
+    let of = |source: &str, claim: &str| {
+        let text = format!(
+            "question = \"?\"\nsource = {{ density = {source} }}\ndraws = 100\nreplicates = 400\n[[region]]\nname = \"part\"\nlow-x = 0.1\nhigh-x = 0.4\n[[estimator]]\nname = \"one\"\nnearest-neighbour = {{ k = 9 }}\n[[claim]]\n{claim}\n"
+        );
+        parse(&text)
+            .map(|_| ())
+            .map_err(|problems| problems.to_string())
+    };
+    let regret =
+        |measure: &str| format!("{measure} = {{ of = \"one\", equals = 1, within = 0.3 }}");
+    for measure in ["over-best", "over-kernel", "over-local-kernel"] {
+        let claim = regret(measure);
+        assert_eq!(of("\"bimodal\"", &claim), Ok(()), "{measure}");
+        let part = format!("region = \"part\"\n{claim}");
+        let told = of("\"bimodal\"", &part).expect_err(measure);
+        assert!(
+            told.contains("over the whole grid") && told.contains("leave out `region`"),
+            "{told}"
+        );
+        let paths = "\"bimodal\", paths = { hits = 3, spread = 0.1 }";
+        let told = of(paths, &claim).expect_err(measure);
+        assert!(told.contains("independent points"), "{told}");
+    }
+    // of each source by itself, and over there
+    let both = "[\"bimodal\", \"uniform\"]";
+    for (more, at, sound) in [
+        ("", "", false),
+        ("source = \"bimodal\"\n", "", true),
+        (
+            "source = \"bimodal\"\n",
+            ", other-source = \"uniform\"",
+            false,
+        ),
+    ] {
+        let claim = format!("{more}over-kernel = {{ of = \"one\", equals = 1, within = 0.3{at} }}");
+        let told = of(both, &claim);
+        assert_eq!(told.is_ok(), sound, "{claim}\n{told:?}");
+        if let Err(told) = told {
+            assert!(
+                told.contains("no best kernel, for the source \"uniform\""),
+                "{told}"
+            );
+        }
+    }
+    // the best of all k in the plane would take longer than most experiments
+    let plane = |measure: &str| of("\"ramp-2d\"", &regret(measure));
+    let told = plane("over-best").expect_err("dear");
+    assert!(told.contains("`over-kernel` compares any"), "{told}");
+    for measure in ["over-kernel", "over-local-kernel"] {
+        assert_eq!(plane(measure), Ok(()), "{measure}");
+    }
 }

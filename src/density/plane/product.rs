@@ -68,6 +68,11 @@ impl Density<2> for Product {
         )
     }
 
+    fn level(&self) -> Option<f64> {
+        let [a, b] = &self.factors;
+        Some(a.level()? * b.level()?)
+    }
+
     fn bivariate(&self) -> Option<&dyn Bivariate> {
         Some(self)
     }

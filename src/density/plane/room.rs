@@ -121,6 +121,11 @@ impl Density<2> for Room {
         self.outline().bounds()
     }
 
+    fn level(&self) -> Option<f64> {
+        let level = self.slope.iter().all(|&s| s == 0.0);
+        level.then(|| self.area.recip())
+    }
+
     fn bivariate(&self) -> Option<&dyn Bivariate> {
         Some(self)
     }

@@ -321,6 +321,11 @@ impl Density<2> for Square {
         ([0.0; 2], [1.0; 2])
     }
 
+    fn level(&self) -> Option<f64> {
+        let flat = |(_, part): &(f64, SquarePart)| *part == SquarePart::Flat;
+        self.parts.iter().all(flat).then_some(1.0)
+    }
+
     fn bivariate(&self) -> Option<&dyn Bivariate> {
         Some(self)
     }

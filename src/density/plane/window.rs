@@ -130,6 +130,10 @@ impl Density<2> for WindowPlane {
         Some((&*self.whole, 1.0 / self.mass))
     }
 
+    fn level(&self) -> Option<f64> {
+        Some(self.whole.level()? / self.mass)
+    }
+
     fn bivariate(&self) -> Option<&dyn Bivariate> {
         Some(self)
     }

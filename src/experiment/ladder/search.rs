@@ -62,7 +62,28 @@ impl Likes {
         self.kind == "kernel"
     }
 
-    fn member(&self, smoothing: f64) -> Values {
+    /// Whether theory gives moments of all of them.
+    pub fn have_moments<const D: usize>(&self, truth: &Arc<dyn Density<D>>) -> bool
+    where
+        Entry: Builds<D>,
+    {
+        let (low, high) = truth.bulk(1e-4);
+        let context = Context {
+            truth: Some(truth.clone()),
+            draws: 10,
+        };
+        let some = if self.counts {
+            5.0
+        } else {
+            0.1 * (high[0] - low[0])
+        };
+        let entry = catalogue::estimator(&self.kind);
+        let built = entry.and_then(|entry| entry.build(&self.member(some), &context).ok());
+        built.is_some_and(|built| built.expectation(&**truth, context.draws, &[]).is_some())
+    }
+
+    /// What the one of this bandwidth, width or number is told.
+    pub fn member(&self, smoothing: f64) -> Values {
         let mut values = self.values.clone();
         let value = if self.counts {
             Value::Count(smoothing as u64)
@@ -86,11 +107,12 @@ pub(super) struct Places<'t, const D: usize> {
     range: [f64; 2],
 }
 
-/// At most so many places are looked at while the best is searched, and so many for its error.
+/// At most so many places are looked at while the best is searched, so many while it is refined (a wall is felt by few of them), and so many for its error.
 const FEW: usize = 128;
+const SOME: usize = 512;
 const MANY: usize = 4096;
-/// Bandwidths that are tried before the best of them is refined: in steps of a third over three decades.
-const STEPS: usize = 25;
+/// The ratio of bandwidths that are tried before the best of them is refined.
+const RATIO: f64 = 4.0 / 3.0;
 /// Places whose moments are computed together.
 const CHUNK: usize = 64;
 
@@ -111,44 +133,62 @@ where
         let whole = setting.grid.cell_measure() * setting.grid.len() as f64;
         let (low, high) = truth.bulk(1e-4);
         let extent = (0..D).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        let finest = (0..D).map(|k| truth.finest_scale(k));
+        let finest = finest.fold(f64::INFINITY, f64::min);
         Some(Self {
             truth,
             draws: setting.draws,
             cell: whole / all.len() as f64,
             all,
             values,
-            range: [1e-3 * extent, extent],
+            // what lays mass beyond a wall is best as narrow as that
+            range: [
+                (0.1 * finest / (setting.draws as f64).sqrt()).min(1e-3 * extent),
+                extent,
+            ],
         })
     }
 
-    /// The least MISE over the places of all that are like each other; `None` where there are no moments, or none is better than the narrowest and the widest.
+    /// The least MISE over the places of all that are like each other; `None` where there are no moments, none is better than the narrowest and the widest, or the best is narrower than places are apart.
     pub fn least(&self, likes: &Likes) -> Option<f64> {
-        let few = self.all.len().div_ceil(FEW).max(1);
-        let error = |smoothing: f64| self.mise(likes, smoothing, few).unwrap_or(f64::INFINITY);
+        let step = |most: usize| self.all.len().div_ceil(most).max(1);
+        let (few, some) = (step(FEW), step(SOME));
+        let error = |smoothing: f64, step| {
+            let mise = self.mise(likes, smoothing, step);
+            mise.unwrap_or(f64::INFINITY)
+        };
         let [low, high] = if likes.counts {
             [2.0, 0.5 * self.draws as f64]
         } else {
             self.range
         };
-        let ratio = (high / low).ln() / (STEPS - 1) as f64;
-        let mut tried: Vec<f64> = (0..STEPS).map(|i| low * (ratio * i as f64).exp()).collect();
+        let steps = ((high / low).ln() / RATIO.ln()).ceil().max(4.0) as usize;
+        let ratio = (high / low).ln() / steps as f64;
+        let mut tried: Vec<f64> = (0..=steps)
+            .map(|i| low * (ratio * i as f64).exp())
+            .collect();
         if likes.counts {
             tried = tried.into_iter().map(f64::round).collect();
             tried.dedup();
         }
         // one that has no moments has none at any bandwidth
         self.mise(likes, tried[tried.len() / 2], few)?;
-        let errors: Vec<f64> = tried.iter().map(|&h| error(h)).collect();
+        let errors: Vec<f64> = tried.iter().map(|&h| error(h, few)).collect();
         let best = (0..tried.len()).min_by(|&i, &j| errors[i].total_cmp(&errors[j]))?;
         if best == 0 || best + 1 == tried.len() {
             return None;
         }
         let (below, above) = (tried[best - 1], tried[best + 1]);
         let at = if likes.counts {
-            least_whole(error, below, above)
+            least_whole(|k| error(k, some), below, above)
         } else {
-            minimise(error, below, above, 1e-3).at
+            minimise(|h| error(h, some), below, above, 1e-3).at
         };
+        // a layer along a wall that is thinner than places are apart is not seen
+        let apart = self.cell * some as f64;
+        if !likes.counts && at < apart {
+            return None;
+        }
         held(self.mise(likes, at, 1)?)
     }
 

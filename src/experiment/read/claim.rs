@@ -25,10 +25,12 @@ pub(super) fn claim(
     let source = table.take("source");
     let source = source.map(|entry| setting.source(reader, entry.item));
     let region = table.take("region");
+    let part = region.map(|entry| entry.key_span());
     let region = region.map(|entry| setting.region(reader, entry.item));
     let entry = key(reader, table, &span)?;
+    let about = source.as_ref().and_then(Option::as_deref);
     let statement = match entry.key() {
-        "best" => best(reader, entry, setting),
+        "best" => best(reader, entry, about, setting),
         "oracle" => oracle(reader, entry, setting),
         "regret" => regret(reader, entry, setting),
         "uncertainty" => super::uncertainty::claim(reader, entry, setting),
@@ -39,7 +41,11 @@ pub(super) fn claim(
             let measure = Measure::ALL
                 .into_iter()
                 .find(|measure| measure.name() == name)?;
-            measured(reader, entry, measure, setting)
+            if let Some(part) = part.filter(|_| measure.is_over_ladder()) {
+                reader.report(whole_only(measure, part));
+                return None;
+            }
+            measured(reader, entry, measure, about, setting)
         }
     }?;
     let says = match says {
@@ -131,7 +137,12 @@ pub(super) fn settings(
     located.complete.then_some(located)
 }
 
-fn best(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<Statement> {
+fn best(
+    reader: &mut Reader,
+    entry: Entry<'_>,
+    source: Option<&str>,
+    setting: &Setting<'_>,
+) -> Option<Statement> {
     let demanded = setting.demand(reader, &entry.key_span(), "the claim `best`", true, true);
     let read = settings(reader, entry, BEST)?;
     let of = read.values.word("of")?;
@@ -142,7 +153,7 @@ fn best(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Option<
             if swept {
                 evidence::exact(reader, setting, member, &place, SIMULATED)
             } else {
-                evidence::optimum(reader, setting, member, &place)
+                evidence::optimum(reader, setting, member, source, &place)
             }
         });
     (known && demanded).then_some(Statement::BestIsNear {
@@ -187,11 +198,21 @@ fn oracle(reader: &mut Reader, entry: Entry<'_>, setting: &Setting<'_>) -> Optio
 /// What to do where there is nothing exact to claim.
 pub(super) const SIMULATED: &str = "give it a width as a number, \"oracle\" or \"amise\", or claim something simulated, such as `mise`";
 
-/// `MEASURE = { .. }` in any of its forms.
+fn whole_only(measure: Measure, span: Span) -> Problem {
+    let what = format!(
+        "`{}` compares errors over the whole grid, and theory has none of a part",
+        measure.name()
+    );
+    Problem::at(span, what)
+        .help("leave out `region`, or claim something of both estimators, such as `mise`")
+}
+
+/// `MEASURE = { .. }` in any of its forms, about one source or all.
 fn measured(
     reader: &mut Reader,
     entry: Entry<'_>,
     measure: Measure,
+    source: Option<&str>,
     setting: &Setting<'_>,
 ) -> Option<Statement> {
     let form = form(reader, entry, measure)?;
@@ -218,9 +239,7 @@ fn measured(
         }
     }
     known &= evidence::blocks(reader, &entry.key_span(), measure, setting);
-    if matches!(measure, Measure::OverBest | Measure::OverLocalBest) && !of.is_empty() {
-        known &= evidence::optimum(reader, setting, &of, &read.place("of"));
-    }
+    known &= evidence::rungs(reader, &read, measure, source, setting);
     let statement = match form.key {
         "below" => {
             let below = values.word("below")?;
@@ -244,7 +263,7 @@ fn measured(
                 confidence,
             }
         }
-        "equals" => equals(reader, &read, measure, of, confidence, setting)?,
+        "equals" => equals(reader, &read, (measure, of), confidence, (source, setting))?,
         "agrees-with" => {
             if !matches!(measure, Measure::Mise | Measure::Bias2 | Measure::Variance) {
                 reader.report(
@@ -308,10 +327,9 @@ pub(super) fn all_exact(
 fn equals(
     reader: &mut Reader,
     read: &Located,
-    measure: Measure,
-    of: String,
+    (measure, of): (Measure, String),
     confidence: f64,
-    setting: &Setting<'_>,
+    (source, setting): (Option<&str>, &Setting<'_>),
 ) -> Option<Statement> {
     let values = &read.values;
     let other = elsewhere(reader, read, measure, setting)?;
@@ -340,9 +358,9 @@ fn equals(
         }
         Some("minimum") => {
             // what has no exact value has been reported
-            let known = setting.theory.get(&of);
+            let known = setting.theory.known.get(&of);
             if known.is_some_and(|known| known.inexact.is_some())
-                || !evidence::optimum(reader, setting, &of, &read.place("of"))
+                || !evidence::optimum(reader, setting, &of, source, &read.place("of"))
             {
                 return None;
             }

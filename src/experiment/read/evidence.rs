@@ -1,7 +1,7 @@
 //! Whether a claim can be shown at all, and whether it could fail: found before anything is computed.
 
 use super::problem::{Problem, Span, printable};
-use super::setting::Setting;
+use super::setting::{Rungs, Setting};
 use super::{node::Reader, value::Located};
 use crate::accuracy::{fewest_for_median, share_interval};
 use crate::experiment::{Measure, budget};
@@ -105,7 +105,7 @@ fn widest(
         | Measure::Smoothing
         | Measure::OverBest
         | Measure::OverKernel
-        | Measure::OverLocalBest => (None, ""),
+        | Measure::OverLocalKernel => (None, ""),
     }
 }
 
@@ -234,6 +234,7 @@ pub(super) fn exact(
 ) -> bool {
     let why = setting
         .theory
+        .known
         .get(name)
         .and_then(|known| known.inexact.as_ref());
     if let Some(why) = why {
@@ -255,7 +256,7 @@ pub(super) fn all_exact(
     names: &[String],
     span: &Span,
 ) -> bool {
-    let known = || setting.theory.iter();
+    let known = || setting.theory.known.iter();
     let without = known().find(|(name, known)| {
         known.inexact.is_some() && (names.is_empty() || names.contains(name))
     });
@@ -286,9 +287,29 @@ fn abridged(names: &[String]) -> String {
     }
 }
 
-/// Whether theory knows the best width for the estimator of that name.
-pub(super) fn optimum(reader: &mut Reader, setting: &Setting<'_>, name: &str, span: &Span) -> bool {
-    let known = setting.theory.get(name).is_none_or(|known| known.optimum);
+/// What theory says of the estimator of that name on `source`, or on all; with the names of the sources. Nothing of what could not be built, and of data files, of which there is more to be said.
+fn on<'s>(
+    setting: &'s Setting<'_>,
+    name: &str,
+    source: Option<&str>,
+) -> impl Iterator<Item = (&'s str, &'s Rungs)> {
+    let all = setting.theory.rungs.iter();
+    let known = setting.truth != Some(false);
+    all.filter(move |((of, from), _)| {
+        known && of == name && source.is_none_or(|source| source == from)
+    })
+    .map(|((_, from), rungs)| (from.as_str(), rungs))
+}
+
+/// Whether theory knows the best width for the estimator of that name on `source`, or on all.
+pub(super) fn optimum(
+    reader: &mut Reader,
+    setting: &Setting<'_>,
+    name: &str,
+    source: Option<&str>,
+    span: &Span,
+) -> bool {
+    let known = on(setting, name, source).all(|(_, rungs)| rungs.optimum);
     if !known {
         reader.report(
             Problem::at(
@@ -302,4 +323,77 @@ pub(super) fn optimum(reader: &mut Reader, setting: &Setting<'_>, name: &str, sp
         );
     }
     known
+}
+
+/// Whether there is what a measure divides by: for each estimator that is named, where it is looked at.
+pub(super) fn rungs(
+    reader: &mut Reader,
+    read: &Located,
+    measure: Measure,
+    source: Option<&str>,
+    setting: &Setting<'_>,
+) -> bool {
+    let values = &read.values;
+    let other = values.word("other-source").or(source);
+    // by itself over there, where nothing else is named
+    let itself = values.word("below").or(values.word("over")).is_none();
+    let there = if itself { other } else { source };
+    let mut all = [
+        ("of", source),
+        ("of", there),
+        ("below", other),
+        ("over", other),
+    ]
+    .into_iter();
+    all.all(|(key, source)| {
+        values
+            .word(key)
+            .is_none_or(|name| rung(reader, setting, measure, name, source, &read.place(key)))
+    })
+}
+
+/// Whether the errors of the estimator of that name are compared with what `measure` divides by: on `source`, or on all.
+fn rung(
+    reader: &mut Reader,
+    setting: &Setting<'_>,
+    measure: Measure,
+    name: &str,
+    source: Option<&str>,
+    span: &Span,
+) -> bool {
+    let missing = |rungs: &Rungs| {
+        measure.is_over_ladder()
+            && rungs.ladder.is_none_or(|oracles| match measure {
+                Measure::OverBest => !oracles.best,
+                _ => !oracles.kernel,
+            })
+    };
+    let Some((from, rungs)) = on(setting, name, source).find(|(_, rungs)| missing(rungs)) else {
+        return true;
+    };
+    let (what, help) = match measure {
+        _ if rungs.ladder.is_none() => (
+            "theory knows no least error".to_owned(),
+            "it does for independent points of a density",
+        ),
+        Measure::OverBest => (
+            format!(
+                "theory does not know the best of the kind of \"{}\"",
+                printable(name)
+            ),
+            if rungs.ladder.is_some_and(|oracles| oracles.kernel) {
+                "`over-kernel` compares any estimator with the best kernel"
+            } else {
+                "claim something else, such as `mise`"
+            },
+        ),
+        _ => (
+            "there is no best kernel".to_owned(),
+            "of a level density the wider is the better, and on long strips none is known; claim something else, such as `mise`",
+        ),
+    };
+    let from = printable(from);
+    reader
+        .report(Problem::at(span.clone(), format!("{what}, for the source \"{from}\"")).help(help));
+    false
 }

@@ -31,15 +31,40 @@ pub(super) struct Setting<'s> {
     /// The names of the estimates of the error.
     pub(super) uncertainties: &'s [String],
     /// What theory can say of each estimator; those that could not be built are missing.
-    pub(super) theory: &'s BTreeMap<String, Known>,
+    pub(super) theory: &'s Theory,
+}
+
+/// What theory can say of the estimators of an experiment.
+#[derive(Default)]
+pub(super) struct Theory {
+    /// By name.
+    pub(super) known: BTreeMap<String, Known>,
+    /// By name and the name of a source.
+    pub(super) rungs: BTreeMap<(String, String), Rungs>,
+}
+
+/// What the errors of an estimator can be compared with on one source.
+#[derive(Clone, Copy)]
+pub(super) struct Rungs {
+    /// Whether there is a best bandwidth or width of its kind, over the whole line or plane.
+    pub(super) optimum: bool,
+    /// The oracles; none where points are not independent ones of a density.
+    pub(super) ladder: Option<Oracles>,
+}
+
+/// Which oracles there are.
+#[derive(Clone, Copy)]
+pub(super) struct Oracles {
+    /// The best of its kind.
+    pub(super) best: bool,
+    /// The best kernel estimates.
+    pub(super) kernel: bool,
 }
 
 /// What theory can say of an estimator.
 pub(super) struct Known {
     /// Why it has no exact mean and variance, if so.
     pub(super) inexact: Option<String>,
-    /// Whether the best bandwidth or width is known.
-    pub(super) optimum: bool,
 }
 
 impl Setting<'_> {

@@ -4,15 +4,15 @@ use super::data::{Data, Holds};
 use super::estimator::Group;
 use super::node::Reader;
 use super::problem::{Problem, printable};
-use super::setting::Known;
+use super::setting::{Known, Oracles, Rungs, Theory};
 use super::source;
 use crate::density::Density;
 use crate::estimator::Context;
-use crate::experiment::EstimatorSpec;
 use crate::experiment::catalogue::{self, Builds, Built, Entry};
+use crate::experiment::{EstimatorSpec, GridSpec, SourceSpec, ladder};
 use crate::random;
 use crate::sample::Sample;
-use std::collections::BTreeMap;
+use crate::space::Grid;
 use std::sync::Arc;
 
 /// Builds every estimator once for every source and size, and fits it where a sample may have no spread, so that nothing can fail later. Says what theory
@@ -22,12 +22,13 @@ pub(super) fn try_building(
     groups: &[Group],
     sources: &[source::Read],
     draws: &[usize],
-) -> BTreeMap<String, Known> {
-    let mut theory = BTreeMap::new();
+    grid: Option<&GridSpec>,
+) -> Theory {
+    let mut theory = Theory::default();
     for source in sources {
         match source.spec.dimensions() {
-            1 => try_source::<1>(reader, groups, source, draws, &mut theory),
-            _ => try_source::<2>(reader, groups, source, draws, &mut theory),
+            1 => try_source::<1>(reader, groups, source, (draws, grid), &mut theory),
+            _ => try_source::<2>(reader, groups, source, (draws, grid), &mut theory),
         }
     }
     theory
@@ -37,14 +38,18 @@ fn try_source<const D: usize>(
     reader: &mut Reader,
     groups: &[Group],
     source: &source::Read,
-    draws: &[usize],
-    theory: &mut BTreeMap<String, Known>,
+    (draws, grid): (&[usize], Option<&GridSpec>),
+    theory: &mut Theory,
 ) where
     Entry: Builds<D>,
     Data: Holds<D>,
 {
     let data: Option<&Sample<D>> = source.sample.as_ref().and_then(Data::sample);
     let truth: Option<Arc<dyn Density<D>>> = source.truth.clone().and_then(Entry::truth);
+    let spec = &source.spec;
+    let alone = !matches!(spec, SourceSpec::Density { paths: Some(_), .. });
+    let independent = truth.as_ref().filter(|_| alone);
+    let grid: Option<Grid<D>> = grid.and_then(|grid| grid.grid().ok());
     let own;
     let sizes = match data {
         Some(sample) => {
@@ -72,12 +77,24 @@ fn try_source<const D: usize>(
                         continue;
                     }
                 };
+                let key = (member.name.clone(), source.spec.name().to_owned());
+                theory.rungs.entry(key).or_insert_with(|| {
+                    let family = built.family().filter(|family| family.is_of_estimates());
+                    let errors = family
+                        .zip(independent)
+                        .is_some_and(|(family, truth)| family.has_errors(&**truth));
+                    Rungs {
+                        optimum: errors && varies_smoothing(member),
+                        ladder: independent.map(|truth| Oracles {
+                            kernel: ladder::has_kernel(truth),
+                            best: ladder::has_best(truth, grid.as_ref(), built.as_ref(), member),
+                        }),
+                    }
+                });
                 if let Some(truth) = &truth {
                     let exact = built.expectation(&**truth, draws, &[]).is_some();
-                    theory.entry(member.name.clone()).or_insert_with(|| {
-                        let family = built.family().filter(|family| family.is_of_estimates());
-                        known(member, exact, family.is_some())
-                    });
+                    let known = theory.known.entry(member.name.clone());
+                    known.or_insert_with(|| known_of(member, exact));
                 }
                 if let Some(sample) = &trial
                     && let Err(error) = built.fit(sample)
@@ -100,17 +117,22 @@ fn try_source<const D: usize>(
     }
 }
 
-/// What theory knows of an estimator, in words.
-fn known(member: &EstimatorSpec, exact: bool, family: bool) -> Known {
+/// Whether the members of a sweep differ in what they smooth by, or there is no sweep.
+fn varies_smoothing(member: &EstimatorSpec) -> bool {
     let smoothing = catalogue::estimator(&member.kind).and_then(|entry| entry.smoothing);
     let swept = member.sweep.as_ref().map(|sweep| sweep.parameter.as_str());
+    swept.is_none_or(|swept| Some(swept) == smoothing)
+}
+
+/// What theory knows of an estimator, in words.
+fn known_of(member: &EstimatorSpec, exact: bool) -> Known {
+    let smoothing = catalogue::estimator(&member.kind).and_then(|entry| entry.smoothing);
     let rule = smoothing.and_then(|name| Some((name, member.values.word(name)?)));
     Known {
         inexact: (!exact).then(|| match rule {
             Some((name, rule)) => format!("its {name} is chosen from each sample (\"{rule}\")"),
             None => format!("no theory is known for `{}`", member.kind),
         }),
-        optimum: family && swept.is_none_or(|swept| Some(swept) == smoothing),
     }
 }
 

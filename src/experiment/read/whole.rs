@@ -4,7 +4,7 @@ use super::estimator::{self, Given, Group};
 use super::names::Names;
 use super::node::{Entry, Reader, Table};
 use super::problem::{Problem, printable};
-use super::setting::Setting;
+use super::setting::{Setting, Theory};
 use super::trial::try_building;
 use super::{CLAIMS, DRAWS, ESTIMATORS, FIGURES, REGIONS, REPLICATES};
 use super::{claim, figure, grid, region, source};
@@ -12,7 +12,7 @@ use crate::experiment::budget::{self, Part};
 use crate::experiment::region::RegionSpec;
 use crate::experiment::stop::StopRule;
 use crate::experiment::{Experiment, GridSpec};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use toml::de::DeValue;
 
@@ -194,8 +194,10 @@ pub(super) fn experiment(
         .and_then(|entry| interval(reader, entry));
     let (groups, names) = estimators(reader, &mut top);
     let theory = match (&head.sources, &head.draws) {
-        (Some(sources), Some(draws)) => try_building(reader, &groups, sources, draws),
-        _ => BTreeMap::new(),
+        (Some(sources), Some(draws)) => {
+            try_building(reader, &groups, sources, draws, head.grid.as_ref())
+        }
+        _ => Theory::default(),
     };
     let uncertainties = parts(
         reader,

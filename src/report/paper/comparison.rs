@@ -68,10 +68,6 @@ impl Comparison {
         group: &Group<D>,
     ) -> Result<(), RunError> {
         let (mut rows, mut costs) = (Vec::new(), Vec::new());
-        // one yardstick for all
-        let best = (group.outcomes.iter())
-            .filter_map(|outcome| outcome.ladder.local)
-            .reduce(f64::min);
         for (number, outcome) in chosen(figure, group) {
             let times = times(material, group, number)?;
             for (n, seconds) in SIZES.iter().zip(&times) {
@@ -83,7 +79,7 @@ impl Comparison {
                     digits(*seconds),
                 ]);
             }
-            rows.push(row(material, number, outcome, best));
+            rows.push(row(material, number, outcome));
             let spec = &material.bench.experiment().estimators[number];
             costs.push(vec![
                 Cell::text(&outcome.name),
@@ -98,7 +94,7 @@ impl Comparison {
             caption: format!(
                 "{}{gap}Mass: ∫f̂ over three times the range, for points between walls at the ends of the grid, spread evenly or crowded beside a wall: what is farther from 1. At a wall: \
                  the estimate of the even points beside it, over the density there. Jump: the largest of the estimate of the first sample, over its range of values. Error: the MISE over \
-                 the least that any of the kernels here could have with the best width for each place.",
+                 that of a Gaussian kernel, reflected at walls, with the best width for each place.",
                 figure.caption,
             ),
             columns: words(&[
@@ -127,19 +123,13 @@ impl Comparison {
     }
 }
 
-fn row<const D: usize>(
-    material: &Material<'_, D>,
-    number: usize,
-    outcome: &Outcome,
-    best: Option<f64>,
-) -> Vec<Cell> {
-    let error =
-        (outcome.measures.get(&Measure::Mise))
-            .zip(best)
-            .map_or(Cell::Empty, |(mise, best)| match mise.standard_error {
-                Some(error) => Cell::measured(mise.value / best, error / best),
-                None => Cell::exact(mise.value / best),
-            });
+fn row<const D: usize>(material: &Material<'_, D>, number: usize, outcome: &Outcome) -> Vec<Cell> {
+    // one yardstick for all
+    let error = outcome.measures.get(&Measure::OverLocalKernel);
+    let error = error.map_or(Cell::Empty, |over| match over.standard_error {
+        Some(error) => Cell::measured(over.value, error),
+        None => Cell::exact(over.value),
+    });
     let laws = material.bench.setting(0, 0).estimators[number].laws();
     let value = |measure: Measure| outcome.measures.get(&measure).map(|m| m.value);
     let plain = |measure: Measure| value(measure).map_or(Cell::Empty, |v| Cell::text(rounded(v)));

@@ -25,11 +25,12 @@ pub(super) fn all<const D: usize>(material: &Material<'_, D>) -> Vec<Table> {
     let mut joined: Vec<Table> = Vec::new();
     for group in groups {
         let name = format!("{}, n = {}", group.name, group.draws);
-        let errors = group.truth.is_some().then(|| errors("all samples", group));
-        for mut table in errors
-            .into_iter()
-            .chain([parts("all samples", material, group)])
-        {
+        let name_of_all = "all samples";
+        let errors = group.truth.is_some().then(|| errors(name_of_all, group));
+        // columns are those of all groups
+        let oracles = oracles(name_of_all, group, true);
+        let parts = parts(name_of_all, material, group);
+        for mut table in errors.into_iter().chain(oracles).chain([parts]) {
             for row in &mut table.rows {
                 row.insert(0, Cell::text(&name));
             }
@@ -50,6 +51,7 @@ fn of<const D: usize>(material: &Material<'_, D>, group: &Group<D>) -> Vec<Table
     let mut tables = Vec::new();
     if group.truth.is_some() {
         tables.push(errors(&name, group));
+        tables.extend(oracles(&name, group, false));
     }
     tables.extend(super::regions::tables(&name, group));
     tables.push(parts(&name, material, group));
@@ -102,36 +104,51 @@ fn measured(heading: &str, measure: Measure) -> Column<'_> {
 }
 
 fn errors<const D: usize>(name: &str, group: &Group<D>) -> Table {
-    let mut columns = vec![
+    let columns = [
         measured("MISE", Measure::Mise),
         measured("exact", Measure::ExactMise),
-        measured("over best", Measure::OverBest),
-        measured("over kernel", Measure::OverKernel),
-        measured("over local best", Measure::OverLocalBest),
         measured("MIAE", Measure::Miae),
         measured("MIRE", Measure::Mire),
         measured("energy", Measure::Energy),
         measured("modes", Measure::Modes),
     ];
-    // no column stays empty
-    for (heading, measure) in [
-        ("over best", Measure::OverBest),
-        ("over kernel", Measure::OverKernel),
-        ("over local best", Measure::OverLocalBest),
-    ] {
-        let known = |outcome: &Outcome| outcome.measures.contains_key(&measure);
-        if !group.outcomes.iter().any(known) {
-            columns.retain(|(other, _)| *other != heading);
-        }
-    }
     table(
         format!("Errors: {name}"),
-        "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. Over best: the \
-         MISE relative to that of the best bandwidth, width or number of terms of the same kind by theory, over the whole line, or over the grid where kernels know walls; over kernel: to that of the best Gaussian kernel estimate, reflected at walls; over local best: to that of the best bandwidth at \
-         each place. MIRE where the truth is at least 1 % of its peak. Energy: the integral of the estimate over the grid relative to the truth's.",
+        "Means over the replicates ± standard errors; the exact MISE is theory on the same grid, without simulation. MIRE where the truth is at least 1 % of its peak. Energy: the integral of the \
+         estimate over the grid relative to the truth's.",
         group,
         &columns,
     )
+}
+
+/// How far errors are from what an oracle could reach; `None` where theory knows nothing of that. Without `wanting` there is no column in which nothing is known.
+fn oracles<const D: usize>(name: &str, group: &Group<D>, wanting: bool) -> Option<Table> {
+    const RUNGS: [(&str, Measure); 3] = [
+        ("over best", Measure::OverBest),
+        ("over kernel", Measure::OverKernel),
+        ("over local kernel", Measure::OverLocalKernel),
+    ];
+    let known = |measure: Measure| {
+        let mut outcomes = group.outcomes.iter();
+        outcomes.any(|outcome| outcome.measures.contains_key(&measure))
+    };
+    if !RUNGS.iter().any(|(_, measure)| known(*measure)) {
+        return None;
+    }
+    let rungs = RUNGS.iter().filter(|(_, m)| wanting || known(*m));
+    let columns: Vec<Column<'_>> = [("MISE", Measure::Mise)]
+        .iter()
+        .chain(rungs)
+        .map(|(heading, measure)| measured(heading, *measure))
+        .collect();
+    Some(table(
+        format!("Against oracles: {name}"),
+        "The MISE, and how many times it is what one could reach who knows the density. Over best: the same kind of estimate with its best bandwidth, width, k or number of terms, over the whole line or plane, or \
+         on a line over the grid where that has walls or is cut short. Over kernel: a Gaussian kernel with its best bandwidth, reflected at walls, in a polygon cut and normalised. Over local kernel: that kernel with \
+         the best bandwidth at each place.",
+        group,
+        &columns,
+    ))
 }
 
 fn parts<const D: usize>(name: &str, material: &Material<'_, D>, group: &Group<D>) -> Table {

@@ -8,7 +8,7 @@
 //! | normal mixture | Gaussian | closed form \[Wand & Jones 1993\] |
 //! | product of densities | product | from the errors on the two axes |
 //! | normal mixture, product of densities | any other | quadrature over the kernel's support |
-//! | any between four walls | Gaussian, reflected | sums over cosines, see [`ReflectedError`] |
+//! | any on a rectangle or a polygon | Gaussian, reflected or cut and normalised | moments by sums over cosines, see [`WalledKernel`] |
 //! | any other | any | integrated errors are not known; [`plane_kernel_moments`] are |
 
 mod adaptive;
@@ -16,14 +16,14 @@ mod adaptive_error;
 mod deficit;
 mod histogram;
 mod pointwise;
-mod reflected;
 mod twice;
+mod walled;
 
 pub use adaptive::{PlaneWidths, plane_adaptive_moments};
 pub use adaptive_error::PlaneAdaptiveError;
 pub use histogram::{PlaneHistogramError, plane_histogram_moments};
 pub use pointwise::{plane_equivalent_moments, plane_kernel_moments};
-pub use reflected::ReflectedError;
+pub use walled::WalledKernel;
 
 use super::kernel::Parts;
 use super::optimum::{self, Optimum, Oracle};

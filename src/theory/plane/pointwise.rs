@@ -45,9 +45,12 @@ pub fn plane_kernel_moments(
     }
     if let (Some(factors), true) = (truth.factors(), round || symmetry == Symmetry::Product) {
         let [a, b] = [0, 1].map(|k: usize| kernel_moments(factors[k], shape, h[k], 1.0, x[k]));
-        // of one point: E K² = variance + mean², and the axes are independent
-        let square = (a.variance + a.mean * a.mean) * (b.variance + b.mean * b.mean);
-        return of(a.mean * b.mean, square, draws);
+        // of one point the axes are independent
+        let both = a.times(b);
+        return Moments {
+            variance: both.variance / draws,
+            ..both
+        };
     }
     let reach = if round { GAUSSIAN_REACH } else { 1.0 };
     let support = Support {

@@ -4,7 +4,7 @@ mod binned;
 mod limits;
 mod optimum;
 mod pointwise;
-mod reflected;
+mod walled;
 
 use density_lab::density::{self, Univariate};
 use density_lab::kernel::Shape;
